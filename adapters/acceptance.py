@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from fricomp.control import JointLimits, SafetyGate
@@ -93,7 +93,11 @@ def check_watchdog(watchdog: Watchdog | None, period: float) -> None:
 
 
 def make_gate(
-    options: AdapterOptions, joints: Sequence[JointCapabilities], mode: CommandMode, period: float
+    options: AdapterOptions,
+    joints: Sequence[JointCapabilities],
+    mode: CommandMode,
+    period: float,
+    describe_faults: Callable[[Sequence[int]], str],
 ) -> SafetyGate:
     """The gate for these options; its torque is watched where the drive closes a loop of its own.
 
@@ -108,6 +112,7 @@ def make_gate(
             stale_after=options.stale_after,
             watch_torque=mode != "torque",
             quanta=[(joint.position_quantum, joint.velocity_quantum) for joint in joints],
+            describe_faults=describe_faults,
         )
     except ParameterError as error:
         raise AdapterConfigurationError(str(error)) from error

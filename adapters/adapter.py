@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import TracebackType
 from typing import Self, final
@@ -30,7 +31,9 @@ class JointAdapter(HeldDriver):
     implements the private methods on the drive's own side of the transmission, in SI, and raises errors of
     `fricomp.errors` only. After a fault or a trip nothing re-enables by itself: `clear_faults`, then `enable`.
 
-    One thread, the control thread, calls everything but `safe_stop` and `health`, which any thread may call.
+    One thread, the control thread, calls everything but `safe_stop` and `health`, which any thread may call. Whoever
+    wants to see every cycle sets `tap`, which is called in the control thread with what has been read and the torque of
+    each joint that the gate let through last, in torque mode: it must take microseconds, and raise nothing.
 
     Args:
         options: Limits and transmissions.
@@ -45,6 +48,7 @@ class JointAdapter(HeldDriver):
         self._mode: CommandMode = "torque"
         self._half_configured = False  # the last configuration failed: drives and gate may be of different ones
         self._close_failure = ""
+        self.tap: Callable[[JointFeedback, Sequence[float]], None] | None = None
 
     # -- what users call --------------------------------------------------------------------------------
 
@@ -121,7 +125,7 @@ class JointAdapter(HeldDriver):
             self._latch()
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
-            gate = make_gate(wanted, self.capabilities.joints, mode, period)
+            gate = make_gate(wanted, self.capabilities.joints, mode, period, self.describe_faults)
             self._refuse_held()
             try:
                 self._checked_options, self._half_configured = wanted, True
@@ -241,6 +245,9 @@ class JointAdapter(HeldDriver):
             gate.observe(feedback if fresh else self._nothing_new, self.clock.now_ns())
             if gate.tripped:
                 self._stop_now()
+        tap = self.tap
+        if fresh and tap is not None:
+            tap(feedback, gate.admitted if gate is not None and self._mode == "torque" else ())
         return fresh
 
     @final
@@ -294,6 +301,16 @@ class JointAdapter(HeldDriver):
             raise AdapterError("the joints are enabled: they are energised by this adapter")
         with self._lock:
             return tuple(self._read_energised())
+
+    @final
+    def describe_faults(self, codes: Sequence[int]) -> str:
+        """What drives report, in words: the fault code of each joint, as in `JointFeedback.fault`."""
+        told = []
+        for joint, (name, code) in enumerate(zip(self._joint_names(), codes, strict=True)):
+            if code:
+                words = self._describe_fault(joint, code)
+                told.append(f"{name}: {words} ({code:#x})" if words else f"{name}: {code:#x}")
+        return "; ".join(told)
 
     @final
     def health(self) -> dict[str, float | str]:

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from fricomp.joint import Capabilities, CommandMode, JointCommand, JointFeedback, Watchdog
 
-__all__ = ["Driver"]
+__all__ = ["Driver", "name_bits"]
 
 
 class Driver(ABC):
@@ -84,6 +84,10 @@ class Driver(ABC):
         """For the message of a `DriveFault`."""
         return f"clear_faults(), or {self._command_line('clear')}, once the cause is gone"
 
+    def _describe_fault(self, joint: int, code: int) -> str:
+        """What a code of the drive of a joint means, in words; empty where nobody says so."""
+        return ""
+
     def _confirmed_watchdog(self) -> Watchdog | None:
         """The watchdog as read back after `_configure`; None if it is what `_open` declared."""
         return None
@@ -91,3 +95,9 @@ class Driver(ABC):
     def _health(self) -> dict[str, float | str]:
         """Counters and states, for display."""
         return {}
+
+
+def name_bits(code: int, words: Mapping[int, str]) -> str:
+    """The words of the bits that are set in a code; empty where one of them has none."""
+    named = [word for bit, word in words.items() if code & bit]
+    return "" if code & ~sum(words) else ", ".join(named)

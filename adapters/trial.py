@@ -157,10 +157,9 @@ class _Trial:
             return TrialStep("listen", False, "the drives report nothing")
         rate = self._n_fresh / self.settings.listen_time
         spreads = [max(column) - min(column) for column in zip(*positions, strict=True)]
-        faults = [fault for fault in self._feedback.fault if fault]
         detail = f"{rate:.0f} states a second; positions moved by {_list(spreads)} while at rest"
-        if faults:
-            return TrialStep("listen", False, f"{detail}; fault codes {[hex(fault) for fault in self._feedback.fault]}")
+        if any(self._feedback.fault):
+            return TrialStep("listen", False, f"{detail}; {self.adapter.describe_faults(self._feedback.fault)}")
         return TrialStep("listen", rate > 0.5 / (self.settings.period * 10), detail)
 
     def _rest(self) -> TrialStep:
@@ -236,16 +235,19 @@ class _Trial:
 
     def _judge_silence(self, codes: Sequence[int]) -> TrialStep:
         if any(codes):
-            return TrialStep(self.doing, True, f"the drives stopped by themselves, codes {_hex(codes)}")
+            return TrialStep(
+                self.doing, True, f"the drives stopped by themselves, and report {self.adapter.describe_faults(codes)}"
+            )
         return TrialStep(self.doing, None, "our side stopped them; the drives do not tell whether they had already")
 
     def _clear(self, codes: Sequence[int]) -> TrialStep:
         """Clear what the silence has latched, and nothing else: the user has to see that first."""
         self.doing = "clear"
-        foreign = [code for code in codes if code and code not in self.adapter.watchdog_faults]
-        if foreign:
+        foreign = [0 if code in self.adapter.watchdog_faults else code for code in codes]
+        if any(foreign):
             hint = f"fricomp adapter clear {self.adapter.configuration_file or 'FILE'}"
-            return TrialStep(self.doing, False, f"codes {_hex(foreign)} are not the watchdog's: find out, then {hint}")
+            told = self.adapter.describe_faults(foreign)
+            return TrialStep(self.doing, False, f"not the watchdog's: {told}; find out, then {hint}")
         self.adapter.clear_faults()
         return TrialStep(self.doing, True, f"cleared what the silence had latched; {self._energy()}")
 
@@ -295,10 +297,6 @@ def describe_energy(names: Sequence[str], energised: Sequence[bool | None]) -> s
         return "the drives say that nothing is energised"
     told = {True: "is energised", False: "is not energised", None: "does not tell whether it is energised"}
     return ", ".join(f"{name} {told[on]}" for name, on in zip(names, energised, strict=True))
-
-
-def _hex(codes: Sequence[int]) -> str:
-    return ", ".join(hex(code) for code in codes)
 
 
 def _list(values: Sequence[float]) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import os
+import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,7 +13,13 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
+from fricomp.recording.named.choice import choose_columns
+from fricomp.recording.named.clock import find_stamps
+from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name
+from fricomp.recording.named.source import explain_unnamed, read_layout, read_named_columns
 from fricomp.recording.number_rows import read_head, read_number_rows
+from fricomp.recording.sources.text import read_lines
+from fricomp.recording.unit import find_unit
 
 __all__ = ["FrictionTable", "is_friction_table", "read_friction_table"]
 
@@ -25,15 +33,17 @@ class FrictionTable(NamedTuple):
         velocity: [rad/s] or [m/s]. Shape (n,).
         torque: [N·m] or [N]. Shape (n,).
         normal_load: Shape (n,), or None.
+        torque_unit: N·m, N or A, as the column's name says.
     """
 
     velocity: FloatArray
     torque: FloatArray
     normal_load: FloatArray | None
+    torque_unit: str = "N·m"
 
 
 def is_friction_table(path: str | os.PathLike[str]) -> bool:
-    """Whether the file is a CSV whose header names velocity and torque, and no time.
+    """Whether the file is a text whose columns are called as velocity and torque, and none as time or position.
 
     Raises:
         RecordingError: The file cannot be read, or its header is neither that of a table nor of a recording.
@@ -41,11 +51,18 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
     if Path(path).suffix.lower() not in (".csv", ".txt"):
         return False
     columns = _read_header(Path(path)) or _rows(path)[0]
-    if "time" in columns:
+    if "time" in columns or set(_REQUIRED) <= set(columns):
+        return "time" not in columns
+    names = read_layout(Path(path)).names
+    if not names:
+        named = re.search(r"[^\W\d_eE]", " ".join(columns)) is not None  # a header that does not fit its rows
+        raise RecordingError(_explain_header(path, columns) if named else explain_unnamed(Path(path)))
+    said = {meaning.channel for meaning in map(read_column_name, names) if meaning is not None}
+    if find_stamps(names) or "position" in said or "motor_position" in said:
         return False
-    if not set(_REQUIRED) <= set(columns):
-        raise RecordingError(_explain_header(path, columns))
-    return True
+    if "velocity" in said and said & {"torque", "current"}:
+        return True
+    raise RecordingError(_explain_header(path, list(names) or columns))
 
 
 def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
@@ -58,9 +75,8 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
     if fast is not None:
         return fast
     header, *rows = _rows(path)
-    missing = [name for name in _REQUIRED if name not in header]
-    if missing:
-        raise RecordingError(f"{path} needs the columns velocity and torque; it has {', '.join(header)}")
+    if not set(_REQUIRED) <= set(header):
+        return _read_named(Path(path))
     twice = [name for name in (*_REQUIRED, "normal_load") if header.count(name) > 1]
     if twice:
         raise RecordingError(f"{path} has the column {twice[0]} twice: remove or rename one")
@@ -68,6 +84,27 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
         raise RecordingError(f"{path} has a header and no rows")
     values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
     return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
+
+
+def _read_named(path: Path) -> FrictionTable:
+    """A table whose columns are called otherwise: their names say what they hold, in which unit."""
+    columns = read_named_columns(path)
+    own: dict[str, tuple[str, ColumnMeaning]] = next(iter(choose_columns(path, columns, {}).values()), {})
+    torque = own.get("torque", own.get("current"))
+    if "velocity" not in own or torque is None:
+        raise RecordingError(f"{path} needs the columns velocity and torque; it has {', '.join(columns)}")
+    velocity, values = (_in_si(path, columns, one) for one in (own["velocity"], torque))
+    load = columns.get("normal_load")
+    use = np.isfinite(velocity) & np.isfinite(values) & (True if load is None else np.isfinite(load))
+    unit = find_unit(torque[1].unit).si if torque[1].unit else "A" if "torque" not in own else "N·m"
+    return FrictionTable(velocity[use], values[use], None if load is None else load[use], unit)
+
+
+def _in_si(path: Path, columns: Mapping[str, FloatArray], one: tuple[str, ColumnMeaning]) -> FloatArray:
+    name, meaning = one
+    if meaning.unit == RAW_UNIT:
+        raise RecordingError(f"{path}: {name!r} is in units of a device: write it in N·m, N or A")
+    return columns[name] * (find_unit(meaning.unit).factor if meaning.unit else 1.0)
 
 
 def _read_header(path: Path) -> list[str]:
@@ -99,7 +136,7 @@ def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
     """What a header lacks that is neither a table's nor a recording's."""
     advice = "rename or add columns, or bring a recording in with 'fricomp convert SOURCE --mapping FILE'"
     if len(columns) == 1 and any(sign in columns[0] for sign in ";\t"):
-        advice = "separate the columns by commas"
+        advice = "separate the columns of the rows by the same mark as the names"
     elif {"time", *_REQUIRED} & {name.lower() for name in columns}.difference(columns):
         advice = "write the names in lower case"
     return (
@@ -110,10 +147,9 @@ def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
 
 def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+        lines = [line for line in read_lines(Path(path)) if line.strip() and not line.startswith("#")]
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
     if not lines:
         raise RecordingError(f"{path} is empty")
     return [[cell.strip() for cell in row] for row in csv.reader(lines)]
@@ -126,6 +162,11 @@ def _column(path: str | os.PathLike[str], rows: list[list[str]], header: list[st
             values[k] = float(row[at])
         except (ValueError, IndexError):
             values[k] = np.nan
+        if len(row) > len(header):
+            raise RecordingError(
+                f"{path}: row {k + 1} has {len(row)} cells where the header has {len(header)}: numbers with decimal "
+                "commas need another mark between columns, such as ';'"
+            )
         if not np.isfinite(values[k]):
             cell = row[at] if at < len(row) else "missing"
             raise RecordingError(

@@ -1,8 +1,9 @@
-"""A lock on a folder of results: one process writes it at a time, and a second one is told who does.
+"""A lock on a folder of results, or on a single file: one process writes it at a time, and a second is told who does.
 
 The lock is the operating system's (`flock`) on the file `.fricomp.lock`, which says who holds it. The system lifts it
 when the process ends, however it ends, so that a lock is never stale: neither a process number that was given again
-nor a clock matters. On NFS Linux takes it at the server, so that it holds between hosts.
+nor a clock matters. On NFS Linux takes it at the server, so that it holds between hosts. A single file, such as an
+export, has a lock file of its own beside it, so that many may be written into one folder at once.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ LOCK_FILE = ".fricomp.lock"
 
 _LONGEST_COMMAND = 300  # characters of a command line that are told
 _LONGEST_RECORD = 4096  # bytes of a lock file that are read
+_LONGEST_STEM = 60  # characters of a file's name in that of its lock: a file system takes 255 bytes
 _TAKEN = (errno.EWOULDBLOCK, errno.EAGAIN)
 
 
@@ -55,19 +57,19 @@ class LockRecord(msgspec.Struct, frozen=True):
 
 
 class FolderLock:
-    """The lock on a folder, held until `release`, the end of the process, or the end of the last reference to it.
+    """The lock on a folder or a file, held until `release`, the end of the process, or of the last reference to it.
 
-    A process that holds it already gets the same lock once more. See `take`.
+    A process that holds it already gets the same lock once more. See `take` and `take_file`.
 
     Attributes:
-        left: What a process that was killed in the folder has left in its lock file; None where none was.
+        left: What a process that was killed there has left in its lock file; None where none was.
     """
 
     _held: ClassVar[weakref.WeakValueDictionary[Path, FolderLock]] = weakref.WeakValueDictionary()
 
-    def __init__(self, folder: Path, descriptor: int, left: LockRecord | None) -> None:
-        self.left, self._folder, self._descriptor = left, folder, descriptor
-        self._finalizer = weakref.finalize(self, _release, folder / LOCK_FILE, descriptor, os.getpid())
+    def __init__(self, target: Path, lock_file: Path, descriptor: int, left: LockRecord | None) -> None:
+        self.left, self._target, self._descriptor = left, target, descriptor
+        self._finalizer = weakref.finalize(self, _release, lock_file, descriptor, os.getpid())
 
     @classmethod
     def take(cls, folder: Path) -> FolderLock:
@@ -77,13 +79,28 @@ class FolderLock:
             OutputError: Another process holds the lock, or the file system takes none.
         """
         place = folder.resolve()
-        held = cls._held.get(place)
+        return cls._take(place, place / LOCK_FILE)
+
+    @classmethod
+    def take_file(cls, path: Path) -> FolderLock:
+        """Lock a single file, whose folder exists; other files there are left to others.
+
+        Raises:
+            OutputError: Another process holds its lock or that of its folder, or the file system takes none.
+        """
+        folder = path.parent.resolve()
+        _require_unheld(folder)
+        return cls._take(folder / path.name, folder / f".{path.name[:_LONGEST_STEM]}{LOCK_FILE}")
+
+    @classmethod
+    def _take(cls, target: Path, lock_file: Path) -> FolderLock:
+        held = cls._held.get(lock_file)
         if held is not None and held._finalizer.alive:
             return held
-        descriptor, left = _open_locked(place)
-        lock = cls(place, descriptor, left)
+        descriptor, left = _open_locked(lock_file, target)
+        lock = cls(target, lock_file, descriptor, left)
         lock.note("")
-        cls._held[place] = lock
+        cls._held[lock_file] = lock
         return lock
 
     def note(self, writes: str) -> None:
@@ -95,14 +112,14 @@ class FolderLock:
             os.ftruncate(self._descriptor, 0)
             os.pwrite(self._descriptor, msgspec.json.encode(record), 0)
         except OSError as error:
-            raise _failure(self._folder, error) from error
+            raise _failure(self._target, error) from error
 
     def release(self) -> None:
-        """Let others have the folder."""
+        """Let others have it."""
         self._finalizer()
 
     def abandon(self) -> None:
-        """Let others have the folder, and leave the lock file there: its results are unfinished."""
+        """Let others have it, and leave the lock file there: its results are unfinished."""
         if self._finalizer.detach() is not None:
             os.close(self._descriptor)
 
@@ -113,21 +130,43 @@ class FolderLock:
         self.release()
 
 
-def _open_locked(folder: Path) -> tuple[int, LockRecord | None]:
-    """The open lock file of a folder, locked, and what an earlier holder left in it."""
-    path = folder / LOCK_FILE
+def _require_unheld(folder: Path) -> None:
+    """Refuse a folder that another process holds as a whole.
+
+    Raises:
+        OutputError: It does; the message says who.
+    """
+    lock_file = folder / LOCK_FILE
+    held = FolderLock._held.get(lock_file)
+    if fcntl is None or (held is not None and held._finalizer.alive):
+        return
+    try:
+        descriptor = os.open(lock_file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
+    except OSError:
+        return  # nobody has begun
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in _TAKEN:
+            raise _failure(folder, error, _read(descriptor)) from error
+    finally:
+        os.close(descriptor)
+
+
+def _open_locked(path: Path, target: Path) -> tuple[int, LockRecord | None]:
+    """The open lock file of a target, locked, and what an earlier holder left in it."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
         except OSError as error:
-            raise _failure(folder, error) from error
+            raise _failure(target, error) from error
         try:
             if fcntl is not None:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if _is_same(descriptor, path):
                 return descriptor, _read(descriptor)
         except OSError as error:
-            told = _failure(folder, error, _read(descriptor) if error.errno in _TAKEN else None)
+            told = _failure(target, error, _read(descriptor) if error.errno in _TAKEN else None)
             os.close(descriptor)
             raise told from error
         os.close(descriptor)  # its holder has removed the file between both calls: take the new one
@@ -148,17 +187,17 @@ def _read(descriptor: int) -> LockRecord | None:
         return None
 
 
-def _failure(folder: Path, error: OSError, holder: LockRecord | None = None) -> OutputError:
+def _failure(target: Path, error: OSError, holder: LockRecord | None = None) -> OutputError:
     if error.errno not in _TAKEN:
         return OutputError(
-            f"cannot lock {folder}: {error.strerror or error}; choose an --out that can be written, on a file system "
+            f"cannot lock {target}: {error.strerror or error}; choose an --out that can be written, on a file system "
             "that takes locks"
         )
     if holder is None:
-        return OutputError(f"another process is writing into {folder}: wait for it, or choose another --out")
+        return OutputError(f"another process is writing {target}: wait for it, or choose another --out")
     where = "" if holder.host == platform.node() else f" on {holder.host}"
     return OutputError(
-        f"{folder} is being written by process {holder.pid}{where} since {holder.since} ({holder.command}): wait for "
+        f"{target} is being written by process {holder.pid}{where} since {holder.since} ({holder.command}): wait for "
         "it, end it, or choose another --out"
     )
 

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from html import escape
 from math import floor, isfinite, log10
 
-__all__ = ["Overview", "OverviewTable", "Shown", "format_range", "format_with_reach"]
+__all__ = ["AT_BOUND", "Overview", "OverviewTable", "Shown", "format_range", "format_with_reach"]
+
+AT_BOUND = "at the bound"
+"""Said of a number that stands where its domain or the search for it ends: the data ask for more than that."""
 
 
 @dataclass(frozen=True)
@@ -83,12 +86,13 @@ class Shown(ABC):
         return self.overview().as_html()
 
 
-def format_with_reach(value: float, reach: float) -> str:
-    """A value and half of its interval, to the digits that the interval leaves."""
+def format_with_reach(value: float, reach: float, *, at_bound: bool = False) -> str:
+    """A value and half of its interval, to the digits that the interval leaves; and that it is at its bound."""
+    end = f", {AT_BOUND}" if at_bound else ""
     if not isfinite(reach):
-        return "cannot be determined"
+        return f"cannot be determined{end}"
     decimals = max(0, min(9, 1 - floor(log10(reach)))) if reach > 0.0 else 6
-    return f"{value:.{decimals}f} ± {reach:.{decimals}f}"
+    return f"{value:.{decimals}f} ± {reach:.{decimals}f}{end}"
 
 
 def format_range(limits: tuple[float, float], unit: str) -> str:

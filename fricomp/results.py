@@ -4,14 +4,14 @@
 - A link is never followed, and never replaced: somebody has put it there for a reason.
 - Results of another kind, such as a model in the folder of a calibration, are never replaced, not by `--overwrite`.
 - Results of the same kind are replaced by `--overwrite`, or where the process that wrote them was killed meanwhile.
-- One process writes a folder at a time.
+- One process writes a folder, or a single file, at a time.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -25,17 +25,21 @@ from fricomp.whole_file import remove_abandoned_parts
 
 __all__ = [
     "ARM",
+    "ARM_CASE",
     "CALIBRATION",
     "CASE",
     "DIAGNOSIS",
     "FIGURES",
     "FLEET",
     "IDENTIFICATION",
+    "INJECTED_CASE",
     "RUN",
     "TORQUE_CONSTANT",
     "Claim",
     "Results",
+    "claim_file",
     "claim_folder",
+    "claim_single_files",
     "find_results",
     "make_folder",
     "plain_name",
@@ -98,7 +102,11 @@ IDENTIFICATION = Results(
      "training.png"),
 )  # fmt: skip
 RUN = Results(
-    "a run", ("without_compensation_*.csv", "with_compensation_*.csv", "run-*.png", "timing.png", "figures.json"),
+    "a run",
+    (
+        "without_compensation_*.csv", "with_compensation_*.csv", "run-*.png", "timing.png", "figures.json",
+        "run.html",
+    ),
 )  # fmt: skip
 ARM = Results(
     "an arm", ("arm.json", "arm.xml", "report.html", "errors.png", "residuals.png", "joints"),
@@ -108,7 +116,9 @@ EXCITATION = Results(
     "a recorded motion of an arm", ("excitation.json", "excitation.png", "recordings"),
     "excitation.json", "fricomp.excitation/",
 )  # fmt: skip
+ARM_CASE = Results("a case of an arm", ("arm.xml", "log"))
 CASE = Results("a case", ("recording.parquet", "joint.xml", "loop.toml", "friction.json"))
+INJECTED_CASE = Results("a recording with an effect put into it", ("recording.parquet", "recording_[0-9]*.parquet"))
 FLEET = Results("a fleet of joints", ("fleet.json", "fleet.parquet", "fleet.html", "rows"), "fleet.json")
 FIGURES = Results("figures of a benchmark", ("figures.json", "report.html", "*.png", "close_loop"))
 TORQUE_CONSTANT = Results(
@@ -230,11 +240,59 @@ def require_free_file(path: Path, *, overwrite: bool = False, inputs: Collection
     remove_abandoned_parts(path.parent)
 
 
-class Claim:
-    """A folder of results that this process alone writes. See `claim_folder`."""
+@contextmanager
+def claim_file(path: Path, *, overwrite: bool = False, inputs: Collection[Path] = ()) -> Iterator[None]:
+    """Keep the folder of one file to this process while the file is made; it is made where it is not there.
 
-    def __init__(self, folder: Path, results: Results, inputs: Collection[Path]) -> None:
-        self.folder, self._results = folder, results
+    Raises:
+        ParameterError: The folder cannot be made.
+        OutputError: Another process writes there, or the file is not to be replaced. See `require_free_file`.
+    """
+    require_folder(path.parent)
+    made = _make_folders(path.parent)
+    try:
+        with FolderLock.take(path.parent):
+            require_free_file(path, overwrite=overwrite, inputs=inputs)
+            yield
+    finally:
+        _remove_empty(made)
+
+
+@contextmanager
+def claim_single_files(
+    paths: Collection[Path], *, overwrite: bool = False, inputs: Collection[Path] = ()
+) -> Iterator[None]:
+    """Keep single files to this process while they are made; their folders, made where they are not there, are shared.
+
+    Raises:
+        ParameterError: A folder cannot be made.
+        OutputError: Another process writes one of the files or its folder, or one is not to be replaced. See
+            `require_free_file`.
+    """
+    for path in paths:
+        require_folder(path.parent)
+    made = [_make_folders(path.parent) for path in paths]
+    try:
+        with ExitStack() as locks:
+            for path in paths:
+                locks.enter_context(FolderLock.take_file(path))
+                require_free_file(path, overwrite=overwrite, inputs=inputs)
+            yield
+    finally:
+        for folders in made:
+            _remove_empty(folders)
+
+
+class Claim:
+    """A folder of results that this process alone writes. See `claim_folder`.
+
+    Attributes:
+        folder: Where it is.
+        is_repeated: Whether a process that wrote such results there was ended before it had finished them.
+    """
+
+    def __init__(self, folder: Path, results: Results, inputs: Collection[Path], *, is_repeated: bool = False) -> None:
+        self.folder, self._results, self.is_repeated = folder, results, is_repeated
         self._inputs = {path.resolve() for path in inputs}
 
     def clear(self) -> None:
@@ -278,13 +336,11 @@ def claim_folder(
             require_free(folder, results, overwrite=overwrite, inputs=inputs, unfinished=unfinished)
             remove_abandoned_parts(folder)
             lock.note(results.kind)
-            yield from _watch(Claim(folder, results, inputs), lock)
+            yield from _watch(Claim(folder, results, inputs, is_repeated=unfinished), lock)
         finally:
             lock.release()
     finally:
-        for place in made:
-            with suppress(OSError):
-                place.rmdir()  # one in which nothing was written
+        _remove_empty(made)
 
 
 def _watch(claim: Claim, lock: FolderLock) -> Iterator[Claim]:
@@ -309,6 +365,13 @@ def _make_folders(folder: Path) -> list[Path]:
     missing = [place for place in (folder, *folder.parents) if not place.exists()]
     make_folder(folder)
     return missing
+
+
+def _remove_empty(folders: list[Path]) -> None:
+    """Remove folders in which nothing was written."""
+    for folder in folders:
+        with suppress(OSError):
+            folder.rmdir()
 
 
 def _keep_inputs(folder: Path, results: Results, inputs: Collection[Path]) -> None:

@@ -1,4 +1,4 @@
-"""What holds for every test: property tests draw the same examples on every run, and store none; one browser."""
+"""What holds for every test: property tests draw the same examples, and store none; one browser; white charts."""
 
 import json
 import shutil
@@ -50,6 +50,18 @@ def open_page(tmp_path: Path) -> Callable[[Path], OpenedPage]:
         return OpenedPage(shown.stdout.decode(), said, _fetched(json.loads(log.read_text())))
 
     return opened
+
+
+@pytest.fixture
+def white_charts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Charts as white images, for tests that are about what is written and not what it looks like: much time less."""
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    def save(figure: Figure, stream: Any, **_: Any) -> None:
+        Image.new("RGB", (1, 1), "white").save(stream, format="PNG")
+
+    monkeypatch.setattr(Figure, "savefig", save)
 
 
 def _fetched(log: dict[str, Any]) -> tuple[str, ...]:

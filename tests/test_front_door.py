@@ -35,6 +35,15 @@ def test_a_newcomers_names_are_there_and_say_what_they_do(name: str) -> None:
     assert (getattr(fricomp, name).__doc__ or "").strip()
 
 
+def test_the_folders_of_a_loop_and_of_a_diagnosis_stay_small_enough_to_learn() -> None:
+    import fricomp.control
+    import fricomp.diagnosis
+
+    assert len(fricomp.control.__all__) <= 20
+    nouns = [line for line in (fricomp.diagnosis.__doc__ or "").splitlines() if line.startswith("- `")]
+    assert 10 <= len(nouns) <= 15
+
+
 def test_every_lazy_name_is_declared_for_type_checkers_where_it_lives() -> None:
     source = Path(fricomp.__file__).read_text()
     declared = source[source.index("if TYPE_CHECKING:") : source.index("__all__")]

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
 from fricomp.errors import OutputError
 from fricomp.folder_lock import LOCK_FILE
+from fricomp.laws import FrictionLaw, Stribeck, StribeckCurve
+from fricomp.model import FrictionModel, Provenance, Validity, save_model
+from fricomp.sim_bench.cases import CaseSpec, derive_case_id
+from fricomp.sim_bench.cases.arm import arm_id, draw_spec
 from fricomp.sim_bench.studies.kit.folder import claim_run
 from fricomp.sim_bench.studies.kit.page import replace_page, require_own_page
 
@@ -100,6 +109,99 @@ def test_the_figures_of_a_benchmark_are_replaced_by_the_option_alone(name: str, 
     assert isinstance(result.exception, OutputError), result.output
     assert "--overwrite" in str(result.exception)
     assert (tmp_path / "figures.json").read_text() == "{}"
+
+
+FIGURE_FOLDERS = ["tracking", "latency", "adapters", "speed", "stand-in", "logs", "fleet", "calibrate", "motion"]
+
+
+@pytest.mark.parametrize("name", FIGURE_FOLDERS)
+def test_a_benchmark_that_another_process_writes_is_left_to_it(name: str, tmp_path: Path) -> None:
+    with held_by_another(tmp_path) as pid:
+        result = CliRunner().invoke(app, ["bench", name, "--quick", "--overwrite", "--out", str(tmp_path)])
+        assert isinstance(result.exception, OutputError), result.output
+        assert f"is being written by process {pid}" in str(result.exception)
+    assert [path.name for path in tmp_path.iterdir()] in ([], [LOCK_FILE])
+
+
+MODEL, LOG = "friction.json", "log.csv"
+SINGLE_FILES = {
+    "out.h": ["export", MODEL, "--to", "c", "--out", "out.h"],
+    "out.onnx": ["export", MODEL, "--to", "onnx", "--out", "out.onnx"],
+    "out.csv": ["convert", LOG, "--out", "out.csv"],
+    "out.toml": ["convert", LOG, "--inspect", "--out", "out.toml"],
+    "out.html": ["watch", ".", "--out", "out.html"],
+    "gain-scan.png": ["check-loop", MODEL, "--inertia", "0.1", "--bandwidth", "5", "--out", "."],
+    "settings.toml": ["calibrate", "--backend", "sim", "--write-settings", "settings.toml"],
+    "drive.toml": ["twin", "mit", "--write-config", "drive.toml"],
+    "drive.endpoints.json": ["twin", "odrive", "--write-config", "drive.toml"],
+    "out.mcap": ["calibrate", "--backend", "sim", "--out", "run", "--log", "out.mcap"],
+    "run.mcap": ["run", MODEL, "--backend", "sim", "--inertia", "0.1", "--out", "run", "--log", "run.mcap"],
+}
+"""Commands that write one file, by its name; they run in a folder with a model and a log."""
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    law = FrictionLaw((Stribeck(StribeckCurve(0.2, 0.5, 0.05, 0.1)),))
+    provenance = Provenance(created="2026-01-01T00:00:00+00:00")
+    save_model(FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)), provenance=provenance), tmp_path / MODEL)
+    time = np.arange(0.0, 4.0, 0.01)
+    table = np.column_stack([time, np.sin(time), 0.3 * np.cos(time)])
+    np.savetxt(tmp_path / LOG, table, delimiter=",", header="time,position,torque", comments="")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", SINGLE_FILES)
+def test_a_file_that_another_process_writes_is_left_to_it(name: str, place: Path) -> None:
+    with held_by_another(place / name, "take_file") as pid:
+        result = CliRunner().invoke(app, [*SINGLE_FILES[name], "--overwrite"])
+        assert isinstance(result.exception, OutputError), result.output
+        assert f"{name} is being written by process {pid} since" in str(result.exception)
+        assert not (place / name).exists()
+    assert {path.name for path in place.iterdir()} == {MODEL, LOG}
+
+
+@pytest.mark.parametrize("name", ["out.h", "out.csv", "settings.toml"])
+def test_other_files_of_its_folder_are_free_until_the_folder_is_held(name: str, place: Path) -> None:
+    with held_by_another(place / "other.txt", "take_file"):
+        result = CliRunner().invoke(app, SINGLE_FILES[name])
+        assert result.exit_code == 0, result.output
+        assert (place / name).exists()
+    with held_by_another(place) as pid:
+        result = CliRunner().invoke(app, [*SINGLE_FILES[name], "--overwrite"])
+        assert f"is being written by process {pid} since" in str(result.exception)
+
+
+@pytest.mark.parametrize("arm", [False, True])
+def test_a_case_that_another_process_makes_is_left_to_it(arm: bool, tmp_path: Path) -> None:
+    asked = ["cases", "make", "--seed", "3", "--duration", "20", "--out", str(tmp_path / "cases")]
+    asked += ["--arm"] if arm else ["--effect", "cogging"]
+    name = arm_id(draw_spec(3, 20.0)) if arm else derive_case_id(CaseSpec(3, ("cogging",), duration=20.0))
+    case, answer = tmp_path / "cases" / name, tmp_path / "cases.answers" / f"{name}.json"
+    for held, way in ((case, "take"), (answer, "take_file")):
+        held.parent.mkdir(exist_ok=True)
+        case.mkdir(exist_ok=True)
+        with held_by_another(held, way) as pid:
+            result = CliRunner().invoke(app, [*asked, "--overwrite"])
+            assert isinstance(result.exception, OutputError), result.output
+            assert f"is being written by process {pid} since" in str(result.exception)
+
+
+@contextmanager
+def held_by_another(place: Path, way: str = "take") -> Iterator[int]:
+    """A process that holds the lock on a folder, or (`take_file`) on a file; its number."""
+    code = "import sys; from pathlib import Path; from fricomp.folder_lock import FolderLock\n"
+    code += f"lock = FolderLock.{way}(Path(sys.argv[1])); print('holds', flush=True); sys.stdin.readline()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "holds\n"
+    try:
+        yield process.pid
+    finally:
+        process.communicate("\n")
 
 
 def test_a_page_replaces_an_earlier_one_of_its_kind_and_nothing_else(tmp_path: Path) -> None:

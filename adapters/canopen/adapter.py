@@ -23,7 +23,8 @@ from . import objects
 from .capability import declare
 from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
-from .drive import CONDITION, FAULT_RESTARTED, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
+from .drive import CONDITION, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
+from .fault import describe_fault
 from .process_data import STATE_OBJECTS, map_process_data
 from .scaling import read_scaling
 from .service import ServiceChannel
@@ -259,15 +260,15 @@ class CanOpenAdapter(CanAdapter):
             if drive.mode_display != MODE_NUMBERS[self._mode_in_use]:
                 raise AdapterError(f"node {drive.node_id} is in mode {drive.mode_display}, not in {self._mode_in_use}")
             if fault := drive.find_fault(running=True):
-                raise DriveFault(f"node {drive.node_id} reports {fault:#06x}: {self._how_to_clear}")
+                raise DriveFault(f"node {drive.node_id} reports {_shown(fault)}: {self._how_to_clear}")
         self._running = True
 
     def _enabling_word(self, drive: CanOpenDrive, step: int) -> int:
         if drive.emergency:  # would stop the joints in the first cycle: refused while nothing is energised yet
-            raise DriveFault(f"node {drive.node_id} reports emergency {drive.emergency:#06x}: {self._how_to_clear}")
+            raise DriveFault(f"node {drive.node_id} reports emergency {_shown(drive.emergency)}: {self._how_to_clear}")
         if drive.state not in ENABLE_STEPS:
             raise DriveFault(
-                f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: "
+                f"node {drive.node_id} is in state {drive.state.value!r}, error {_shown(drive.error_code)}: "
                 f"{self._how_to_clear}"
             )
         self._raise_if_stopped()
@@ -327,7 +328,10 @@ class CanOpenAdapter(CanAdapter):
                     f"node {drive.node_id} has not been heard for {(now_ns - drive.heard_ns) * 1e-9:.2f} s"
                 )
             if drive.restarted:
-                raise DriveFault(f"node {drive.node_id} has restarted, error {FAULT_RESTARTED:#x}")
+                raise DriveFault(f"node {drive.node_id} has restarted")
+
+    def _describe_fault(self, joint: int, code: int) -> str:
+        return describe_fault(code)
 
     # -- stopping -----------------------------------------------------------------------------------------
 
@@ -351,7 +355,7 @@ class CanOpenAdapter(CanAdapter):
         try:
             self._lead(_clearing_word, self._all_cleared, "the fault stays")
         except AdapterTimeout as error:
-            codes = ", ".join(f"node {d.node_id}: {d.error_code or d.emergency:#06x}" for d in self._drives)
+            codes = ", ".join(f"node {d.node_id}: {_shown(d.error_code or d.emergency)}" for d in self._drives)
             raise DriveFault(f"{error}; error codes {codes}") from error
         for drive in self._drives:
             drive.emergency = 0
@@ -413,3 +417,8 @@ def _clearing_word(drive: CanOpenDrive, step: int) -> int:
 
 def _nmt(command: int, drive: CanOpenDrive) -> CanFrame:
     return CanFrame(0x000, bytes((command, drive.node_id)))
+
+
+def _shown(code: int) -> str:
+    words = describe_fault(code)
+    return f"{code:#06x} ({words})" if words else f"{code:#06x}"

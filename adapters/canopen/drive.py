@@ -9,20 +9,16 @@ from fricomp.joint import CommandMode
 
 from ..link import CanFrame
 from ..wrapping import CountUnwrapper, wrap_count
+from .fault import FAULT_MODE, FAULT_NOT_ENABLED, FAULT_RESTARTED
 from .process_data import STATE_PACKERS, Identifiers, command_packer
 from .scaling import DriveScaling
 from .service import ServiceChannel
 from .state_machine import DISABLE_VOLTAGE, STATE_OF_BITS, DriveState, decode_state
 
-__all__ = ["FAULT_MODE", "FAULT_NOT_ENABLED", "FAULT_RESTARTED", "MODE_NUMBERS", "OPERATIONAL", "CanOpenDrive"]
+__all__ = ["MODE_NUMBERS", "OPERATIONAL", "CanOpenDrive"]
 
 MODE_NUMBERS: dict[CommandMode, int] = {"position": 8, "velocity": 9, "torque": 10}
 """Cyclic synchronous modes of object 6060."""
-
-# Beyond the 16 bits of a drive's own error codes.
-FAULT_NOT_ENABLED = 0x10001
-FAULT_MODE = 0x10002
-FAULT_RESTARTED = 0x10003
 
 BOOT_UP, OPERATIONAL = 0, 5
 HEALTHY = (None, OPERATIONAL)

@@ -50,6 +50,7 @@ from .report import (
     STATUS_BYTES,
     UNBOUNDED,
     compute_fault,
+    describe_fault,
     read_plain,
     read_report,
     report_request,
@@ -281,7 +282,8 @@ class DynamixelAdapter(ServoLine):
         """
         error = self._read_item(servo, HARDWARE_ERROR)
         if error:
-            raise DriveFault(f"servo {servo} reports hardware error {error:#x}: {self._how_to_clear}")
+            told = describe_fault(error)
+            raise DriveFault(f"servo {servo} reports hardware error {error:#x}, {told}: {self._how_to_clear}")
         self._ensure_item(servo, TORQUE_ENABLE, 0)
         self._ensure_item(servo, OPERATING_MODE, MODES[self._mode_in_use])
         self._prepare_reports(servo)
@@ -350,11 +352,14 @@ class DynamixelAdapter(ServoLine):
         self._reported.fault[:] = [0] * len(self._servos)
         errors = [self._read_item(servo, HARDWARE_ERROR) for servo in self._servos]
         if any(errors):
-            raise DriveFault(f"the servos report hardware errors {errors} after a reboot")
+            raise DriveFault(f"the servos report hardware errors after a reboot: {self.describe_faults(errors)}")
         for servo in self._servos:
             self._ensure_item(servo, STATUS_RETURN_LEVEL, 2)
             if self._answer_bytes == REPORT_SIZE:  # configured: what a restart has made them forget
                 self._prepare_reports(servo)
+
+    def _describe_fault(self, joint: int, code: int) -> str:
+        return describe_fault(code)
 
     def _reboot(self, servo: int) -> None:
         """The only way out of a hardware error; the servo stays de-energised."""

@@ -6,6 +6,7 @@ import struct
 from collections.abc import Callable, Sequence
 from math import nan
 
+from ..driver import name_bits
 from .control_table import BUS_WATCHDOG, HARDWARE_ERROR, STATE, TORQUE_ENABLE, Item
 from .packet import bulk_read_packet, sync_read_packet
 
@@ -18,6 +19,7 @@ __all__ = [
     "UNBOUNDED",
     "Report",
     "compute_fault",
+    "describe_fault",
     "read_plain",
     "read_report",
     "report_request",
@@ -26,6 +28,22 @@ __all__ = [
 ALERT, WATCHDOG_FIRED = 0x80, 0xFF
 # Faults that are found here, beside the servos' own bits.
 FAULT_NOT_ENABLED, FAULT_WATCHDOG, FAULT_RESTARTED, FAULT_TORQUE = 0x100, 0x200, 0x400, 0x800
+_OWN_WORDS = {
+    FAULT_NOT_ENABLED: "its torque is off, though it was switched on",
+    FAULT_WATCHDOG: "its bus watchdog has fired, because it heard nothing",
+    FAULT_RESTARTED: "it has started again",
+    FAULT_TORQUE: "it draws more current than the torque limit allows",
+    ALERT: "it tells of a hardware error, and not of which",
+}
+_HARDWARE_WORDS = {
+    0x01: "input voltage out of its range",
+    0x04: "overheated",
+    0x08: "encoder fault",
+    0x10: "electrical shock, or too little power",
+    0x20: "overloaded",
+}
+"""Bits of the hardware error status [robotis2024]."""
+
 UNBOUNDED = 0x10000
 """More current than any servo reports."""
 
@@ -81,6 +99,11 @@ def compute_fault(report: Report, error: int, guard: int | None, most: int) -> i
     if not energised:
         return FAULT_NOT_ENABLED
     return FAULT_TORQUE if abs(current) > most else 0
+
+
+def describe_fault(code: int) -> str:
+    """What a code of `compute_fault` means, in words; empty where the manual does not say."""
+    return _OWN_WORDS.get(code) or name_bits(code, _HARDWARE_WORDS)
 
 
 def report_request(servos: bytes, data_addresses: Sequence[int]) -> bytes:

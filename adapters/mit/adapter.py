@@ -15,6 +15,7 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..link import CanFrame, CanLink
 from .configuration import MitConfiguration, make_motor
+from .fault import FAULT_NOT_ENABLED, FAULT_POSITION_EDGE
 from .motor import MotorState
 from .profile import Register, RegisterType
 from .velocity_loop import MotorVelocityLoop, loop_gains
@@ -27,10 +28,6 @@ ANSWER_NS = 5_000_000
 """How long an answer to a frame of ours may be under way [ns]."""
 LISTENING_NS = 50_000_000
 """How long a motor that does not tell its state is listened to [ns]: any control loop commands it meanwhile."""
-
-# Beyond every vendor's own codes.
-FAULT_NOT_ENABLED = 0x1001  # it has stopped by itself: its watchdog, or a power cycle
-FAULT_POSITION_EDGE = 0x1002  # its position code is at the edge, so that it may be anywhere beyond
 
 
 class MitAdapter(CanAdapter):
@@ -259,7 +256,11 @@ class MitAdapter(CanAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            raise DriveFault(f"the motors report {self._reported.fault}: {self._how_to_clear}")
+            told = self.describe_faults(self._reported.fault)
+            raise DriveFault(f"the motors report faults ({told}): {self._how_to_clear}")
+
+    def _describe_fault(self, joint: int, code: int) -> str:
+        return self._motors[joint].describe_fault(code)
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         torque, reported = command.torque, self._reported

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import struct
 
+from ..driver import name_bits
 from ..link import CanFrame
 from .codec import CODES_16, MitRanges, to_code
+from .fault import CYBERGEAR_BITS, OWN_CODES
 from .motor import Motor, MotorState
 from .profile import Register, Registers
 
@@ -98,6 +100,10 @@ class CyberGearMotor(Motor):
             fault,
             mode == RUNNING,
         )
+
+    def describe_fault(self, code: int) -> str:
+        """The words of a fault; empty where nobody says what it means."""
+        return OWN_CODES.get(code) or name_bits(code, CYBERGEAR_BITS)
 
     def read_frame(self, register: Register) -> CanFrame:
         """The request to read a parameter."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from math import nan
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from fricomp.errors import AdapterConfigurationError
 
 from ..link import CanFrame
 from .codec import CODES_12, MitCodec, MitRanges
+from .fault import AK_CODES, DAMIAO_CODES, OWN_CODES
 from .profile import Register, Registers
 
 __all__ = ["AkMotor", "DamiaoMotor", "Motor", "MotorState", "RobstrideMotor"]
@@ -53,12 +55,14 @@ class Motor(ABC):
         tells_when_asked: Whether `poll_frame` is a mere request. Where not, only a command is answered, and the one
             that is harmless at rest is to de-energise.
         has_own_feedback_id: Whether the identifier of its answers can be set for each motor.
+        fault_words: What its fault codes mean.
         lost: Fault code of a motor that nothing but its own watchdog has stopped; None where it has none.
     """
 
     quanta: tuple[float, float, float]
     gain_codes = CODES_12
     tells_when_asked = has_own_feedback_id = False
+    fault_words: Mapping[int, str] = {}
     lost: int | None = None
 
     def __init__(self, address: int, feedback_id: int, ranges: MitRanges, registers: Registers) -> None:
@@ -119,12 +123,16 @@ class Motor(ABC):
         """Number and four bytes of a register in an answer; None if it is something else."""
         return None
 
+    def describe_fault(self, code: int) -> str:
+        """The words of a fault; empty where nobody says what it means."""
+        return OWN_CODES.get(code) or self.fault_words.get(code, "")
+
 
 class DamiaoMotor(Motor):
     """Damiao: status in the upper half of the first byte, registers behind identifier 0x7FF [damiao2024]."""
 
     tells_when_asked = has_own_feedback_id = True
-    lost = 0xD
+    fault_words, lost = DAMIAO_CODES, 0xD
     SERVICE_ID = 0x7FF
     READ, WRITE, REFRESH = 0x33, 0x55, 0xCC
     ANSWERS = (READ, WRITE)
@@ -168,6 +176,8 @@ class DamiaoMotor(Motor):
 
 class AkMotor(Motor):
     """T-Motor AK: motor id in the first byte, temperature offset by 40 °C and error code at the end [cubemars2021]."""
+
+    fault_words = AK_CODES
 
     def decode(self, frame: CanFrame) -> MotorState | None:
         """The state in a frame; firmware before 2022 sends six bytes, without temperature and error."""

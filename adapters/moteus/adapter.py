@@ -27,12 +27,11 @@ from .codec import (
     encode_text,
     pad,
 )
+from .fault import FAULT_MODE, describe_fault
 from .fdcanusb import HEAD_SIZE, CommandLine, LineBuffer, decode_known, decode_line, encode_line, line_heads
 
 __all__ = ["MoteusAdapter", "MoteusConfiguration"]
 
-# Beyond the controllers' own codes: a mode that ends a command, such as 11, its timeout.
-FAULT_MODE = 0x1000
 SETTLING_NS = 20_000_000
 TIMEOUT_STOPS = 0  # servo.timeout_mode: the delivered 12 would brake actively
 USB_BAUDRATE = 12_000_000
@@ -227,7 +226,11 @@ class MoteusAdapter(SerialAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            raise DriveFault(f"the controllers report {self._reported.fault}: {self._how_to_clear}")
+            told = self.describe_faults(self._reported.fault)
+            raise DriveFault(f"the controllers report faults ({told}): {self._how_to_clear}")
+
+    def _describe_fault(self, joint: int, code: int) -> str:
+        return describe_fault(code)
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         references = command.position if mode == "position" else command.velocity

@@ -27,12 +27,10 @@ from .codec import (
     request_frame,
 )
 from .configuration import OdriveConfiguration
+from .fault import FAULT_NOT_ENABLED, FAULT_OF_PART, describe_fault
 from .parameter import HOW_TO_BOUND, ParameterAdapter
 
 __all__ = ["OdriveAdapter"]
-
-FAULT_NOT_ENABLED = 0x1_0000_0001
-FAULT_OF_PART = 0x1_0000_0002  # firmware 0.5: motor, encoder or controller report an error of their own
 
 FEEDING_PERIOD_NS = 5_000_000
 SLOW_PERIOD_NS = 100_000_000  # temperatures
@@ -49,8 +47,6 @@ class OdriveAdapter(ParameterAdapter):
         clock: Real time unless a simulation brings its own.
     """
 
-    watchdog_faults = frozenset({0x0100_0000, 0x0000_0800})  # of firmware 0.6 and 0.5
-
     def __init__(
         self,
         configuration: OdriveConfiguration,
@@ -58,6 +54,7 @@ class OdriveAdapter(ParameterAdapter):
         clock: Clock | None = None,
     ) -> None:
         super().__init__(configuration, open_link, clock)
+        self.watchdog_faults = frozenset({0x0000_0800 if configuration.minor == 5 else 0x0100_0000})
         self._effort = Command.TORQUES if configuration.minor == 6 else Command.CURRENT
         self._requests = [
             request_frame(node, command)
@@ -251,8 +248,11 @@ class OdriveAdapter(ParameterAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            codes = ", ".join(f"{code:#x}" for code in self._reported.fault)
-            raise DriveFault(f"the axes report errors {codes}: {self._how_to_clear}")
+            told = self.describe_faults(self._reported.fault)
+            raise DriveFault(f"the axes report errors ({told}): {self._how_to_clear}")
+
+    def _describe_fault(self, joint: int, code: int) -> str:
+        return describe_fault(code, self._configuration.minor)
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         torque, velocity, position = command.torque, command.velocity, command.position

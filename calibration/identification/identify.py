@@ -61,8 +61,9 @@ def identify(
         noise: `relative` to the model's torque, `absolute`, `auto` (decided by likelihood), or one standard
             deviation a point [N·m] or [N].
         seed: Seed of the network's first weights.
-        law: `stribeck` (eight parameters), `symmetric_stribeck`, `coulomb`, `coulomb_viscous`, `tanh`, `arctan`.
-            `lugre` and `dahl` have a state and need a time series with reversals: see `identify_dynamic`.
+        law: `stribeck` (eight parameters), `free_stribeck` (its two exponents too), `symmetric_stribeck`, `coulomb`,
+            `coulomb_viscous`, `tanh`, `arctan`. `lugre` and `dahl` have a state and need a time series with reversals:
+            see `identify_dynamic`.
         loss: `gaussian`, or `robust` against outliers.
         options: Further settings.
 

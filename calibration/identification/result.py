@@ -38,6 +38,13 @@ _WIDER = 1.5
 """The exported network follows the closed form up to this multiple of the fastest speed measured."""
 
 
+_SHRUNK = 1e-6
+"""A parameter whose logarithm moves the torque by less than this share of another's is none [1]."""
+
+_OF_SPEED = ("velocity", "exponent")
+"""How names end that shape the curve over speed, and do not scale a torque."""
+
+
 @dataclass(frozen=True)
 class NoiseEstimate:
     """The noise model used and how it was chosen.
@@ -126,6 +133,19 @@ class IdentificationResult(Shown):
         deviations = np.where(unknown, np.inf, np.sqrt(np.diag(self.covariance)))
         return dict(zip(self.parameter_names, deviations.tolist(), strict=True))
 
+    @cached_property
+    def at_bound(self) -> tuple[str, ...]:
+        """Parameters that stand at their bound: shrunk to nothing, or as large as the fit lets dry friction be.
+
+        The data ask for a value beyond, such as a negative viscous coefficient, so that no interval means anything.
+        """
+        at = self.optimum
+        felt = np.sum(at.whitened.jacobian**2, axis=0)
+        gone = felt <= _SHRUNK**2 * felt.max(initial=0.0)
+        scale = np.array([not name.endswith(_OF_SPEED) for name in self.parameter_names])  # a scale of the torque
+        ended = at.logs >= self.form.upper_logs(self.rows) - _SHRUNK
+        return tuple(name for name, one in zip(self.parameter_names, (gone & scale) | ended, strict=True) if one)
+
     def headline(self) -> str:
         """Joint, law and status."""
         terms = " + ".join(term.name for term in self.model.law.terms)
@@ -136,7 +156,7 @@ class IdentificationResult(Shown):
         model, points, noise = self.model, self.observations, self.noise
         units, reach = model.units(), {name: self.interval(name).upper for name in self.parameter_names}
         rows = tuple(
-            (name, format_with_reach(value, reach[name] - value), units[name])
+            (name, format_with_reach(value, reach[name] - value, at_bound=name in self.at_bound), units[name])
             for name, value in self.parameters.items()
         )
         speeds = format_range((float(points.speed.min()), float(points.speed.max())), f"{model.position_unit}/s")
@@ -176,7 +196,7 @@ class IdentificationResult(Shown):
         They need not be symmetric. Where one is far from that of the covariance, it is the one to trust.
         """
         bent = [name for name in self.parameter_names if name.endswith(BENT)]
-        return {name: profile_interval(self, name) for name in bent} if self.form.basis.shape_index is not None else {}
+        return {name: profile_interval(self, name) for name in bent} if self.form.basis.shape_index else {}
 
     def torque_deviation(self, velocity: FloatArray, normal_load: FloatArray | None = None) -> FloatArray:
         """Standard deviation of the closed form's torque [N·m] or [N] at each velocity, from the covariance."""

@@ -61,6 +61,9 @@ FEWEST_SLIDING = 200
 
 _NOISE_SHARE = 1e-3
 """Share of the acceleration's power that may be noise: inertia comes out too small by it, less than by chance."""
+_MOST_NOISE = 0.15
+"""The same share where a lower cutoff leaves too few samples that slide: strokes of a short recording are then seen
+better than its inertia, which comes out too small by as much."""
 _PERIODS = 20.0
 """Least length of each part between gaps, in periods of the cutoff: its margins take a quarter of it."""
 _LOWER = tuple(2.0 ** (-0.5 * step) for step in range(8))
@@ -75,6 +78,11 @@ _MIXED = 0.01
 """Share of the low-pass, by weight, that may see rest or the other direction where a sample counts as sliding. Such a
 sample is wrong by that share of twice the friction, which is about the noise of a torque sensor. The low-pass rings: a
 share of 1.05 is as mixed as one of 0.95."""
+_LEAST_MIXED = 0.003
+"""The same for a law without a bend, which does not need the slowest samples: all that are wrong by it are wrong the
+same way, and a few parameters of thousands of samples are known better than one sample's noise."""
+_KEPT = 0.8
+"""Part of the samples that slide which that must leave, else the strokes are too short for it."""
 
 _RING = 0.5
 """Periods of the low-pass's cutoff for which a direction must be one: where it rings it passes 1 for less."""
@@ -175,7 +183,9 @@ class JointSamples:
     torque: FloatArray
     recorded: RecordedMotion
 
-    def sliding(self, slowest: float, travel: float = 0.0) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def sliding(
+        self, slowest: float, travel: float = 0.0, *, bends: bool = True
+    ) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Samples through whose low-pass the joint slides in one direction only, so that its friction is known.
 
         At rest friction is whatever keeps the joint there, such as minus gravity, and around a reversal the low-pass
@@ -184,10 +194,14 @@ class JointSamples:
         Args:
             slowest: Fraction of the top speed above which it slides,
             travel: after this way from rest or a reversal [rad] or [m].
+            bends: Whether the slowest samples are needed, for a law that bends there; else fewer samples beside
+                reversals are taken.
         """
-        direction = self.recorded.sliding_direction(slowest * self.top_speed, travel)
-        slides = np.abs(np.abs(direction) - 1.0) < _MIXED
-        return np.asarray(binary_opening(slides, np.ones(self.recorded.count_samples(_RING), dtype=bool)))
+        off = np.abs(np.abs(self.recorded.sliding_direction(slowest * self.top_speed, travel)) - 1.0)
+        width = np.ones(self.recorded.count_samples(_RING), dtype=bool)
+        slides, apart = (np.asarray(binary_opening(off < share, width)) for share in (_MIXED, _LEAST_MIXED))
+        enough = max(_KEPT * np.count_nonzero(slides), FEWEST_SLIDING)
+        return slides if bends or np.count_nonzero(apart) < enough else apart
 
     @property
     def top_speed(self) -> float:
@@ -244,6 +258,7 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
     """
     density = 2.0 * recording.sample_period * _position_noise(recording) ** 2
     best, least = replace(_DEFAULTS, gravity=gravity), np.inf
+    noisier: list[RegressionSettings] = []
     for factor in _LOWER:
         settings = _lower(factor, gravity)
         if min(_durations(recording, settings)) < _PERIODS / settings.torque_cutoff:
@@ -254,7 +269,12 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
             best, least = settings, share
         if share < _NOISE_SHARE:
             break
-    return _lower_until_it_slides(recording, best)
+        noisier += [settings] if share < _MOST_NOISE else []
+    slides = _lower_until_it_slides(recording, best)
+    if _count_sliding(recording, slides) >= FEWEST_SLIDING:
+        return slides
+    wider = (one for one in reversed(noisier) if _count_sliding(recording, one) >= FEWEST_SLIDING)
+    return next(wider, slides)
 
 
 def _lower(factor: float, gravity: bool) -> RegressionSettings:

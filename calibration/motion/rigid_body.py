@@ -31,6 +31,8 @@ _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 _NOT_APART = (
     "the motion does not tell inertia, friction and gravity apart: record one with several speeds and both directions"
 )
+_SLOW = 60.0
+"""Rate below which a diagnosis has a mode of its own [Hz], which a joint that sticks and slips does not stop."""
 _SEEN = 2.0
 """Periods of its cutoff that a low-pass sees: before and after a reversal it rings by more than a hundredth."""
 _DRIVES = (
@@ -153,10 +155,11 @@ def identify_motion(
         IdentificationError: The motion does not tell the parts apart.
     """
     chosen = replace(options or IdentificationOptions(), independent=False)
-    fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest), law, chosen)
+    bends = bool(separable_law(law).basis.shape_index)
+    fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest, bends=bends), law, chosen)
     presliding = _SETTLED * _find_presliding(settings, fit)
     if presliding > 0.0:
-        fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest, presliding), law, chosen)
+        fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest, presliding, bends=bends), law, chosen)
     friction = fit.friction()
     velocity = samples.velocity[fit.rows]
     result = identify(velocity, friction, noise="absolute", law=law, options=chosen)
@@ -214,16 +217,18 @@ class _SlidingFit:
         return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach)
 
 
-def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0) -> _Rows:
+def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0, *, bends: bool) -> _Rows:
     """Which samples slide; refuses a motion with too few. Shape (n,)."""
-    rows = samples.sliding(slowest, travel)
+    rows = samples.sliding(slowest, travel, bends=bends)
     count = int(np.count_nonzero(rows))
     if count < FEWEST_SLIDING:
         sees, rate = _SEEN / samples.recorded.cutoff, 1.0 / samples.recorded.period
+        how = "compares on the mean" if rate < _SLOW else "simulates the joint, for which 5 s are enough"
         raise IdentificationError(
             f"{_NOT_APART}; of {len(rows)} filtered samples {count} slide in one direction for as long as the low-pass "
             f"sees, which is some {sees:.2g} s at {rate:.3g} Hz and with this encoder, and {FEWEST_SLIDING} are "
-            "needed: record for longer, faster, or let the joint move in one direction for longer"
+            f"needed: record for longer, faster, or let the joint move in one direction for longer; or take 'fricomp "
+            f"diagnose', which {how}, and writes friction.json as well"
         )
     return rows
 

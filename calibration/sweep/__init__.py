@@ -1,7 +1,7 @@
 """The bidirectional sweep: plan, motion, plateaus, breakaway, friction points, and the model identified from them."""
 
 from .analysis.analysis import SweepAnalysis, analyse_sweep
-from .analysis.block import SweepData, load_sweep
+from .analysis.block import BlockLabel, SweepData, load_sweep
 from .calibrate import Calibration, calibrate, channels_of, identify_recorded, mean_relative_deviation
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
@@ -16,9 +16,11 @@ from .request import CalibrationOptions, CalibrationRequest
 from .rigid_body import RigidBody
 from .run_folder import RunFolder
 from .sweep import Sweep
+from .watch import SweepWatch, measure_live_point
 
 __all__ = [
     "Assumption",
+    "BlockLabel",
     "Calibration",
     "CalibrationOptions",
     "CalibrationRequest",
@@ -33,6 +35,7 @@ __all__ = [
     "SweepData",
     "SweepPlan",
     "SweepSettings",
+    "SweepWatch",
     "WrittenRun",
     "analyse_sweep",
     "assume_friction",
@@ -48,6 +51,7 @@ __all__ = [
     "load_sweep",
     "loop_period",
     "mean_relative_deviation",
+    "measure_live_point",
     "open_joint",
     "plan_plateaus",
     "read_motion",

@@ -13,16 +13,21 @@ from fricomp.errors import ParameterError
 from .motion.context import SweepContext
 from .request import CalibrationRequest
 from .rigid_body import RigidBody
+from .watch import SweepWatch
 
 __all__ = ["open_joint"]
 
 
 @contextmanager
-def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
+def open_joint(request: CalibrationRequest, watch: SweepWatch | None = None) -> Iterator[SweepContext]:
     """The joint, open; zero torque and closed at the end, whatever happens.
 
     Until then Ctrl-C and every other signal that ends a process raise `KeyboardInterrupt`, so that the joint is stopped
     first. Outside the main thread Python hears no signal, and a warning says so.
+
+    Args:
+        request: What was asked for.
+        watch: Is shown the joint, and what a sweep records.
 
     Raises:
         ParameterError: The backend has no such joint.
@@ -36,7 +41,9 @@ def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
                 raise ParameterError(f"no joint {request.joint!r}; this backend has {', '.join(names)}")
             body = RigidBody(request.model, names) if request.model else None
             joint = names.index(request.joint) if request.joint else 0
-            yield SweepContext(adapter, joint, request.settings, body)
+            if watch is not None:
+                watch.attach(adapter, joint)
+            yield SweepContext(adapter, joint, request.settings, body, watch)
 
 
 @contextmanager

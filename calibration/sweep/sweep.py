@@ -211,6 +211,8 @@ class Sweep:
     def _append(self, log: CycleLog, label: BlockLabel) -> Recording:
         samples = log.to_recording(self._origin_ns, self._metadata, self._load_torque(log))
         self._writer.append(samples, label.encode())
+        if self.context.watch is not None:
+            self.context.watch.show_block(label, samples)
         return samples
 
     def _load_torque(self, log: CycleLog) -> FloatArray | None:

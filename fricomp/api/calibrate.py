@@ -14,6 +14,7 @@ from fricomp.calibration.sweep import (
     CalibrationRequest,
     RunFolder,
     SweepSettings,
+    SweepWatch,
     check_feasible,
     open_joint,
     write_run,
@@ -89,14 +90,26 @@ def calibrate(
 
 
 def record_sweep(
-    request: CalibrationRequest, out: Path, *, overwrite: bool = False, progress: Progress | None = None
+    request: CalibrationRequest,
+    out: Path,
+    *,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    watch: SweepWatch | None = None,
 ) -> tuple[Calibration, RunFolder]:
     """Sweep the joint of a request into a folder and identify its friction; the joint is closed afterwards.
+
+    Args:
+        request: What is asked for.
+        out: The folder.
+        overwrite: Replace the run that it holds already.
+        progress: As for `calibrate`.
+        watch: Is shown the joint and what the sweep records.
 
     Raises:
         FricompError: See `calibrate`; what was recorded stays in the folder.
     """
-    with open_joint(request) as context:
+    with open_joint(request, watch) as context:
         check_feasible(context, request.options)  # before an earlier run is thrown away
         folder = RunFolder.create(out, request, overwrite=overwrite)
         return sweep_joint(context, folder, request.options, progress or _report_nothing), folder

@@ -104,13 +104,15 @@ def diagnose(
     return found
 
 
-def read_long_recording(path: str | os.PathLike[str]) -> Recording:
-    """A recording that is long enough to be diagnosed.
+def read_long_recording(path: Recording | str | os.PathLike[str]) -> Recording:
+    """A recording that is long enough to be diagnosed, from its file or as it is.
 
     Raises:
         DiagnosisError: It is not.
         RecordingError: It cannot be read.
     """
+    if isinstance(path, Recording):
+        return _require_long(path, f"the recording of joint {path.metadata.joint!r}")
     return _require_long(read_recording(Path(path)), f"the recording {os.fspath(path)}")
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from fricomp.arm import ArmExamination, ArmPrior
 from fricomp.arm import examine_arm as examine_recordings
 from fricomp.arm.log import ArmLog, read_arm_log
-from fricomp.arm.output.evaluation import add_file_errors
+from fricomp.arm.output.choice import WrittenFiles, add_file_errors, prepare_files
 from fricomp.arm.output.files import write_arm
 from fricomp.errors import RecordingError
 from fricomp.extras import require
@@ -73,20 +73,23 @@ def examine_arm(
     recordings, paths = _read(log, mapping, channels)
     settings = {"names": names, "gains": gains, "prior": prior, "seed": seed, "progress": progress}
     if out is None:
-        return _examine(recordings, Path(simulation), settings)
+        return _examine(recordings, Path(simulation), settings)[0]
     with claim_folder(Path(out), ARM, overwrite=overwrite, inputs=(*paths, Path(simulation))) as claim:
-        found = _examine(recordings, Path(simulation), settings)
+        found, written = _examine(recordings, Path(simulation), settings)
         (progress or (lambda _: None))("writing the report")
         claim.clear()
-        write_arm(found, Path(out), Path(simulation))
+        write_arm(found, Path(out), Path(simulation), written)
     return found
 
 
-def _examine(recordings: Sequence[Recording], simulation: Path, settings: dict[str, Any]) -> ArmExamination:
-    """The answer, with what the files made of it are worth."""
+def _examine(
+    recordings: Sequence[Recording], simulation: Path, settings: dict[str, Any]
+) -> tuple[ArmExamination, WrittenFiles]:
+    """The answer, and the files that are written with what they are worth."""
     found = examine_recordings(recordings, simulation, **settings)
     (settings["progress"] or (lambda _: None))("simulating the written files on held-out data")
-    return replace(found, record=add_file_errors(found.record, found.answer, simulation))
+    written = prepare_files(found.answer, simulation)
+    return replace(found, record=add_file_errors(found.record, written)), written
 
 
 def take_session(log: ArmLog) -> tuple[Recording, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,11 +15,19 @@ from fricomp.calibration import IdentificationOptions, choose_law
 from fricomp.calibration import identify as identify_points
 from fricomp.calibration.identification import IdentificationResult, fit_discrepancy
 from fricomp.calibration.identification.estimation.form import separable_law_names
+from fricomp.calibration.identification.exponent import FIXED_LAW, FREE_LAW, asks_for_exponent, is_shown
 from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
-from fricomp.calibration.motion.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
+from fricomp.calibration.motion.joint_samples import (
+    JointSamples,
+    RegressionSettings,
+    choose_settings,
+    sample_joint,
+    split_for,
+)
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.calibration.table import is_friction_table, read_friction_table
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
 from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
@@ -31,6 +39,11 @@ if TYPE_CHECKING:
 
 __all__ = ["IdentifySettings", "identify", "identify_source"]
 
+_USUAL_LAW, _PLAIN_LAW = "stribeck", "coulomb_viscous"
+_AS_GOOD = 1.02
+"""What the plain law may leave, over what the usual one leaves: it has six parameters less."""
+_AT_ZERO = 1e-4
+"""Part of the largest torque, at the fastest speed, below which a viscous coefficient has run to zero."""
 _MASS = {"N·m": "kg·m²", "N": "kg"}
 """Unit of the inertia beside that of the torque."""
 
@@ -42,7 +55,7 @@ class IdentifySettings:
     method: Method = "pinn"
     noise: str | ArrayLike = "auto"
     loss: Loss = "gaussian"
-    law: str = "stribeck"
+    law: str = ""
     gravity: bool = False
     seed: int = 0
     depart: bool = False
@@ -56,6 +69,7 @@ class _Points:
     velocity: ArrayLike
     torque: ArrayLike
     normal_load: ArrayLike | None
+    torque_unit: str = ""
 
 
 def identify(
@@ -63,7 +77,7 @@ def identify(
     torque: ArrayLike | None = None,
     normal_load: ArrayLike | None = None,
     *,
-    law: str = "stribeck",
+    law: str = "",
     method: Literal["pinn", "least_squares"] = "pinn",
     noise: str | ArrayLike = "auto",
     loss: Literal["gaussian", "robust"] = "gaussian",
@@ -90,9 +104,12 @@ def identify(
             normal_load, a mapping or data frame with such columns, or the velocities [rad/s] or [m/s], shape (n,).
         torque: Friction torque where `data` are velocities, with the sign of the velocity [N·m] or [N]. Shape (n,).
         normal_load: Normal load of these points, where dry friction depends on it. Shape () or (n,).
-        law: `stribeck`, with eight parameters; fewer of them where the data hold less: `symmetric_stribeck` where both
-            directions are alike, `coulomb_viscous` or `coulomb` where nothing slow was measured, `tanh` or `arctan`
-            for a curve without a step; of tables `auto`, which compares them on points that were held out.
+        law: As it is, `stribeck`, of a table that asks for another exponent than 2 `free_stribeck`, and of a recording
+            in which no Stribeck effect shows `coulomb_viscous` where that is as good. Or by name: `stribeck`, with
+            eight parameters; `free_stribeck`, with an exponent of each direction besides; fewer where the data hold
+            less: `symmetric_stribeck` where both directions are alike, `coulomb_viscous` or `coulomb` where nothing
+            slow was measured, `tanh` or `arctan` for a curve without a step; of tables `auto`, which compares them on
+            points that were held out.
         method: `pinn` trains the paper's network together with the parameters; `least_squares` is quicker and has the
             same optimum. For tables.
         noise: `absolute` where the torque sensor sets it, `relative` where it grows with the torque, `auto` to decide
@@ -134,14 +151,19 @@ def identify_source(
     Raises:
         FricompError: See `identify`.
     """
-    require_law(settings.law)
+    require_law(settings.law or _USUAL_LAW)
     points = _points_of(source)
     if points is None:
         return _identify_recording(source, settings, flag)  # type: ignore[arg-type]
     if settings.gravity:
         what = f"{points.name} is a table, which is friction alone"
         raise IdentificationError(f"{flag}gravity is for recordings; {what}: leave it out")
-    return _identify_table(points, settings, options or IdentificationOptions())
+    chosen = options or IdentificationOptions()
+    if points.torque_unit not in ("", "N·m") and chosen.torque_unit == IdentificationOptions().torque_unit:
+        chosen = replace(
+            chosen, torque_unit=points.torque_unit, motion="linear" if points.torque_unit == "N" else chosen.motion
+        )
+    return _identify_table(points, settings, chosen)
 
 
 def require_law(law: str) -> None:
@@ -175,19 +197,44 @@ def _points_of(source: object) -> _Points | None:
 def _identify_table(points: _Points, settings: IdentifySettings, options: IdentificationOptions) -> Identification:
     speed = np.abs(np.asarray(points.velocity, dtype=np.float64))
     fast = suspect_degrees_per_second(float(np.max(speed, initial=0.0)))
-    notes, law = [finding.caution for finding in fast], settings.law
+    notes, law = [finding.caution for finding in fast], settings.law or _USUAL_LAW
     if law == "auto":
         choice = choose_law(points.velocity, points.torque, points.normal_load)
         notes.append(f"Law: {choice.reason}.")
         law = choice.law
-    result = identify_points(
-        points.velocity, points.torque, points.normal_load, settings.method, settings.noise, settings.seed,
-        law=law, loss=settings.loss, options=options,
-    )  # fmt: skip
+    result = _fit_points(points, settings, law, options)
+    if not settings.law:
+        result, said = _with_exponent(result, points, settings, options)
+        notes += said
     notes += _offset_note(result)
     network = fit_discrepancy(result, seed=settings.seed) if settings.depart else None
     notes += [f"Law or network: {network.message}."] if network is not None else []
     return Identification(result, None, network, tuple(notes), _facts(points.name, settings))
+
+
+def _fit_points(
+    points: _Points, settings: IdentifySettings, law: str, options: IdentificationOptions
+) -> IdentificationResult:
+    return identify_points(
+        points.velocity, points.torque, points.normal_load, settings.method, settings.noise, settings.seed,
+        law=law, loss=settings.loss, options=options,
+    )  # fmt: skip
+
+
+def _with_exponent(
+    result: IdentificationResult, points: _Points, settings: IdentifySettings, options: IdentificationOptions
+) -> tuple[IdentificationResult, list[str]]:
+    """The result with the exponents of its curves free, where the points ask for others than 2; and what is said."""
+    if options.start is not None or not asks_for_exponent(result):
+        return result, []
+    try:
+        free = _fit_points(points, settings, FREE_LAW, options)
+    except IdentificationError:  # too few points for two parameters more
+        return result, []
+    if not is_shown(result, free):
+        return result, []
+    gain = result.negative_log_likelihood - free.negative_log_likelihood
+    return free, [f"Law: {FREE_LAW}, the exponents free, which fits better than {FIXED_LAW} by {gain:.3g} nats."]
 
 
 def _offset_note(result: IdentificationResult) -> list[str]:
@@ -215,9 +262,46 @@ def _identify_recording(
     notes += (finding.caution for finding in findings if not (of_gaps and finding.code == "gap"))
     meta = recording.metadata
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
-    motion = identify_motion(sample_joint(recording, chosen), chosen, law=settings.law, options=options)
-    notes.insert(0, _rigid_sentence(motion, flag))
+    motion, said = _identify_with_law(sample_joint(recording, chosen), chosen, settings.law, options)
+    notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
+
+
+def _identify_with_law(
+    samples: JointSamples, settings: RegressionSettings, law: str, options: IdentificationOptions
+) -> tuple[MotionIdentification, list[str]]:
+    """The motion by the law that was asked for; by the usual one, or by one without a bend where none shows.
+
+    A joint without a Stribeck effect is the plainest there is: that its eight parameters are not determined is no fault
+    of the recording, where two of them leave no more of the torque.
+    """
+    found = identify_motion(samples, settings, law=law or _USUAL_LAW, options=options)
+    if law or find_doubt_in_status(found.friction.status, "") is None:
+        return found, []
+    try:
+        plain = identify_motion(samples, settings, law=_PLAIN_LAW, options=options)
+    except IdentificationError:
+        return found, []
+    worse = plain.friction.noise.level > _AS_GOOD * found.friction.noise.level
+    if worse or find_doubt_in_status(plain.friction.status, "") is not None:
+        return found, []
+    why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
+    said = f"Law: {_PLAIN_LAW}, which leaves no more of the torque than {_USUAL_LAW}, of which {why}."
+    return plain, [said]
+
+
+def _bound_notes(result: IdentificationResult) -> list[str]:
+    """What to know of parameters that ended at their bound, which is zero: they were not measured."""
+    points = result.observations
+    least = _AT_ZERO * points.torque_scale / float(points.speed.max())
+    names = [name for name, value in result.parameters.items() if name.endswith("viscous_coefficient")]
+    at_bound = [name for name in names if result.parameters[name] < least]
+    if not at_bound:
+        return []
+    return [
+        f"Careful: {', '.join(at_bound)} is at the bound, zero, and no measured value: friction does not grow with "
+        "speed here, or the motion does not tell it from the rest."
+    ]
 
 
 def _facts(name: str, settings: IdentifySettings) -> dict[str, str]:

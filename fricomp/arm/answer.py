@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+from scipy.stats import chi2
+
 from fricomp.diagnosis.effects import EFFECTS
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
-from .fit import ArmFit
+from .fit import ArmFit, ArmModel
+from .friction import TERMS, JointForm
 from .identification import ArmIdentification, fit_robustly
+from .uncertainty.scatter import widen_covariance
 
 __all__ = ["ArmAnswer", "TermEvidence", "confirm_terms"]
 
@@ -54,10 +59,53 @@ class ArmAnswer:
     errors: HeldOutErrors
 
     def is_named(self, joint: int, term: str) -> bool:
-        """Whether a term of a joint is physics that matters: it lowers the held-out error, and heads its family."""
+        """Whether a term of a joint is physics that matters.
+
+        It heads its family, lowers the held-out error, its interval does not hold a joint without it, and its variant
+        is not the last that was tried.
+        """
         form = self.identification.fit.model.forms[joint]
-        matters = self.evidence[joint, term].fall >= _LEAST_FALL
-        return term in EFFECTS and form.find_head(term) == term and matters
+        if term not in EFFECTS or form.find_head(term) != term:
+            return False
+        fit, matters = self.identification.fit, self.evidence[joint, term].fall >= _LEAST_FALL
+        return matters and _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
+
+    def list_named(self, joint: int) -> tuple[str, ...]:
+        """Terms of a joint that are named, in the order in which they were taken in."""
+        names = self.identification.fit.model.forms[joint].names
+        return tuple(name for name in names if self.is_named(joint, name))
+
+
+def _has_value(term: str, variant: int) -> bool:
+    """Whether a variant lies within what was tried. A bristle at either end of that has no distance, and a drag whose
+    exponent is the least of them is a curve of another kind."""
+    ends = {"presliding_hysteresis": (0, len(TERMS[term].values) - 1), "power_law_viscous": (0,)}
+    return variant not in ends.get(term, ())
+
+
+def _measure_size(fit: ArmFit, joint: int, term: str) -> float:
+    """How far a term's parameters are from none of it, in the 95 % region about them; below 1 it holds none."""
+    place, names = fit.find_friction(joint)
+    own = TERMS[term].names(dict(fit.model.forms[joint].terms)[term])
+    at = [place.start + names.index(name) for name in own]
+    value, spread = fit.x[at], fit.covariance[np.ix_(at, at)]
+    return float(value @ np.linalg.solve(spread, value)) / float(chi2.ppf(0.95, len(at)))
+
+
+def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
+    """The model without a form of an effect that is none of it where another form is beside it; None for no such."""
+    sizes = {
+        (j, name): _measure_size(fit, j, name)
+        for j, form in enumerate(fit.model.forms)
+        for name in form.names
+        if form.has_other_form(name)
+    }
+    joint, name = min(sizes, key=lambda key: sizes[key], default=(0, ""))
+    if not name or sizes[joint, name] >= 1.0:
+        return None
+    forms = list(fit.model.forms)
+    forms[joint] = JointForm(tuple(term for term in forms[joint].terms if term[0] != name))
+    return replace(fit.model, forms=tuple(forms))
 
 
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
@@ -70,6 +118,9 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
     while True:
+        if (less := _drop_empty_form(widen_covariance(fit, equations, rows))) is not None:
+            fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
+            continue
         data = ConfirmedData(arm, equations, prior, rows)
         recurrence = data.measure_stability(fit, seed)
         errors = data.measure_errors(fit)
@@ -84,9 +135,10 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         heads = {(j, name): fit.model.forms[j].find_head(name) == name for j, name in evidence}
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, named=heads[key])}
         if not weak:
+            fit = widen_covariance(fit, equations, rows)
             return ArmAnswer(replace(found, fit=fit, equations=equations), evidence, errors)
         weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
-        fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior)
+        fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior, settled=True)
 
 
 def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
@@ -100,6 +152,14 @@ def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
 
 
 def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:
-    """Part by which a joint's held-out error falls with a term."""
-    before = data.measure_model(without_term(fit.model, *term), fit)
+    """Part by which a joint's held-out error falls with a term.
+
+    A gain must do better than links that may weigh anything and a rotor that may be less than none: a sensor that asks
+    for such a one is wrong in another way.
+    """
+    less = without_term(fit.model, *term)
+    if term[1] == "torque_gain_error":
+        opened = less.opened | frozenset(range(term[0], len(fit.arm.links)))
+        less = replace(less, opened=opened, rotorless=less.rotorless - {term[0]})
+    before = data.measure_model(less, fit)
     return 1.0 - float(errors.model[term[0]] / max(before[term[0]], 1e-300))

@@ -10,6 +10,9 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
+from fricomp.recording.parts.holds import thin_held_rows
+
+from .instants import place_rows
 
 __all__ = ["ArmPart", "ArmRecording", "find_start_temperature", "join_joints", "require_single"]
 
@@ -52,6 +55,8 @@ class ArmRecording:
         left_out: Share of the time that lies in no part.
         recordings: What each joint was read from, in the same order.
         still: Joints that were recorded and stood still.
+        held: Joints whose rows mostly repeat the one before, at which those rows were left out.
+        placed: Whether positions and velocities said when rows were sampled, since stamps did not.
     """
 
     joints: tuple[str, ...]
@@ -59,6 +64,8 @@ class ArmRecording:
     left_out: float
     recordings: tuple[Recording, ...]
     still: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
+    placed: bool = False
 
     @property
     def metadata(self) -> tuple[RecordingMetadata, ...]:
@@ -85,7 +92,9 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
     Raises:
         RecordingError: A joint comes twice, the recordings share no time, or no stretch of them is long enough.
     """
-    series = list(recordings)
+    placed = place_rows(recordings)
+    thinned = [thin_held_rows(one) for one in placed]
+    series = [one for one, _ in thinned]
     names = [one.metadata.joint for one in series]
     require_single(names)
     period = float(np.median([one.sample_period for one in series]))
@@ -98,7 +107,8 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
         raise RecordingError(f"no stretch without a gap is as long as {_SHORTEST:g} s: record at an even rate")
     kept = sum(part.time[-1] - part.time[0] for part in parts)
     left_out = max(0.0, 1.0 - float(kept) / float(last - first))
-    return ArmRecording(tuple(names), parts, left_out, tuple(series))
+    held = tuple(name for name, (_, hold) in zip(names, thinned, strict=True) if hold is not None)
+    return ArmRecording(tuple(names), parts, left_out, tuple(series), held=held, placed=placed is not recordings)
 
 
 def require_single(names: Sequence[str]) -> None:

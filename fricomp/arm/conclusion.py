@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from msgspec.structs import replace
 
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.laws import FloatArray
+from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
+from .brief import write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .friction import TERMS
-from .inertia import N_INERTIA, LinkCoordinates
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
+from .rigid.inertia import N_INERTIA, LinkCoordinates
 from .shared_cause import say_shared_causes
+from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
+from .uncertainty.averaging import average_friction, average_links
 
 __all__ = ["write_record"]
 
@@ -27,14 +33,22 @@ _Z_OFF = 3.5
 """Standard deviations by which a link must be off: with four numbers of each of seven links, one in a hundred healthy
 arms reaches them."""
 
+_UNEVEN = (
+    "The stamps are not the instants at which rows were sampled: how far the joints came, over their velocities, says "
+    "that states of even periods were read, some twice and some never; rows count where they were sampled."
+)
+
 _AXES = ("x", "y", "z")
 
 
 def write_record(answer: ArmAnswer) -> ArmRecord:
     """Everything that is said of an arm, in one value."""
     found, arm = answer.identification, answer.identification.fit.arm
-    joints = tuple(_describe_joint(answer, j) for j in range(len(arm.joints)))
-    links = tuple(_describe_link(answer, i) for i in range(len(arm.links)))
+    averages = average_friction(found.equations, found.fit, found.prior)
+    others = find_alternatives(found.equations, found.fit, found.prior)
+    joints = tuple(_describe_joint(answer, j, averages[j], others) for j in range(len(arm.joints)))
+    intervals = average_links(found.fit, others)
+    links = tuple(_describe_link(answer, i, intervals[i]) for i in range(len(arm.links)))
     delay, spread = found.delay
     gain, gain_spread = found.fit.gain
     record = ArmRecord(
@@ -50,14 +64,20 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         held_joints=tuple(name for name in arm.held if name not in found.recording.still),
         still_joints=found.recording.still,
     )
-    return replace(record, sentences=_write_sentences(record))
+    held = found.recording.held
+    rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
+    stamps = _UNEVEN if found.recording.placed else ""
+    sentences = (*_write_sentences(record), *(one for one in (rate, stamps) if one))
+    return replace(record, summary=write_summary(record, sentences[0]), sentences=sentences)
 
 
 def _quantity(value: float, deviation: float, unit: str) -> Quantity:
     return Quantity(float(value), unit, (float(value - _Z95 * deviation), float(value + _Z95 * deviation)))
 
 
-def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
+def _describe_joint(
+    answer: ArmAnswer, joint: int, averages: Mapping[str, tuple[float, float]], others: Alternatives
+) -> JointRecord:
     found = answer.identification
     fit, metadata = found.fit, found.recording.metadata[joint]
     torque, position = metadata.torque_unit, metadata.position_unit
@@ -68,12 +88,15 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
         name: _quantity(value, one, _unit_of(name, torque, position))
         for name, value, one in zip(names, fit.x[place], spread, strict=True)
     }
+    for name, (low, high) in averages.items():
+        value = 0.0 if (joint, name) in fit.model.pinned else values[name].value
+        values[name] = Quantity(value, values[name].unit, (low, high))
     effects = [
-        _describe_effect(answer, joint, term, variant, values)
+        _describe_effect(answer, joint, term, variant, values, others)
         for term, variant in form.terms
-        if answer.is_named(joint, term) and _has_size(term, variant)
+        if answer.is_named(joint, term)
     ]
-    named = {one.name for one in effects}
+    named, spring = {one.name for one in effects}, others.find_spring(joint)
     own = {name for term, k in form.terms if form.find_head(term) in named for name in TERMS[term].names(k)}
     first = N_INERTIA * len(fit.arm.links) + joint
     rotor = float(np.sqrt(fit.covariance[first, first]))
@@ -88,16 +111,12 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
         error_plain=float(answer.errors.plain[joint]),
         error_model=float(answer.errors.model[joint]),
         stiffness=measure_stiffness(found, joint),
+        possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
     )
 
 
-def _has_size(term: str, variant: int) -> bool:
-    """Whether a variant lies within what was tried. A bristle at either end of that has no distance."""
-    return term != "presliding_hysteresis" or variant not in (0, len(TERMS[term].values) - 1)
-
-
 def _describe_effect(
-    answer: ArmAnswer, joint: int, term: str, variant: int, values: dict[str, Quantity]
+    answer: ArmAnswer, joint: int, term: str, variant: int, values: dict[str, Quantity], others: Alternatives
 ) -> JointEffect:
     evidence: TermEvidence = answer.evidence[joint, term]
     found = answer.identification
@@ -113,7 +132,8 @@ def _describe_effect(
     if value is not None:
         unit = {"breakaway_distance": position, "order": f"1/{position}"}.get(TERMS[term].label, "1")
         steps = [one for one in TERMS[term].values if one is not None]
-        parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value))
+        ends = value in (steps[0], steps[-1])
+        parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value), at_bound=ends)
     if term == "cogging":
         order = float(found.equations.ripple[joint])
         reach = float(np.ptp(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
@@ -126,6 +146,7 @@ def _describe_effect(
         fall=evidence.fall,
         equation=EFFECTS[term].equation,
         indistinguishable_from=(*(one.split(": ")[1] for one in found.rivals.get(name, ())), *TERMS[term].alike),
+        links_instead=list_links_instead(found.equations, others.own, found.prior, joint) if term == SPRING else (),
     )
 
 
@@ -151,21 +172,21 @@ def _unit_of(name: str, torque: str, position: str) -> str:
     return f"1/{torque}" if name.startswith("load_quadratic") else torque
 
 
-def _describe_link(answer: ArmAnswer, link: int) -> LinkRecord:
+def _describe_link(answer: ArmAnswer, link: int, intervals: FloatArray) -> LinkRecord:
     fit = answer.identification.fit
     at = slice(N_INERTIA * link, N_INERTIA * (link + 1))
     slope = LinkCoordinates(fit.arm.inertia[link]).jacobian(fit.x[at])
-    spread = np.sqrt(np.diag(slope @ fit.covariance[at, at] @ slope.T))
     before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
     value, simulated = fit.inertia[link], fit.arm.inertia[link]
-    mass = _quantity(value[0], spread[0], "kg")
-    determined = spread[:4] < _DETERMINED * before[:4]
+    spread = (intervals[:, 1] - intervals[:, 0]) / (2.0 * _Z95)
+    determined = spread < _DETERMINED * before[:4]
+    ends = [(float(low), float(high)) for low, high in intervals]
     return LinkRecord(
         name=fit.arm.links[link],
         simulated_mass=float(simulated[0]),
-        mass=mass,
-        first_moment={axis: _quantity(value[1 + k], spread[1 + k], "kg·m") for k, axis in enumerate(_AXES)},
-        state=_judge_link(value[:4] - simulated[:4], spread[:4], determined, link in fit.model.opened),
+        mass=Quantity(float(value[0]), "kg", ends[0]),
+        first_moment={axis: Quantity(float(value[k]), "kg·m", ends[k]) for k, axis in enumerate(_AXES, start=1)},
+        state=_judge_link(value[:4] - simulated[:4], spread, determined, link in fit.model.opened),
         determined=tuple(name for name, known in zip(("mass", *_AXES), determined, strict=True) if known),
     )
 
@@ -198,7 +219,17 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
             for joint in record.joints
             if joint.stiffness is not None
         ),
+        *(_say_possible_spring(joint) for joint in record.joints if joint.possible_spring is not None),
         *_say_signal(record),
+    )
+
+
+def _say_possible_spring(joint: JointRecord) -> str:
+    return (
+        f"{joint.name}: a spring or cable of {_show(joint.possible_spring)} explains this recording as well as links "
+        f"that weigh what is said here; a motion over a wider range of {joint.name} tells them apart."
+        if joint.possible_spring is not None
+        else ""
     )
 
 
@@ -213,7 +244,8 @@ def _say_joint(joint: JointRecord) -> str:
 
 def _say_effect(effect: JointEffect) -> str:
     numbers = ", ".join(f"{name.replace('_', ' ')} {_show(one)}" for name, one in effect.parameters.items())
-    alike = f", or {' or '.join(effect.indistinguishable_from)}" if effect.indistinguishable_from else ""
+    names = (*effect.indistinguishable_from, *(f"{link} weighing something else" for link in effect.links_instead))
+    alike = f", or {' or '.join(names)}" if names else ""
     return (
         f"{effect.name}{alike}: {EFFECTS[effect.name].says} [{effect.equation}]; {numbers}; it lowers the error by "
         f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording"
@@ -222,7 +254,8 @@ def _say_effect(effect: JointEffect) -> str:
 
 def _show(quantity: Quantity) -> str:
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    return f"{quantity.value:.3g}{unit} ({quantity.ci95[0]:.3g} to {quantity.ci95[1]:.3g})"
+    bound = f", {AT_BOUND}" if quantity.at_bound else ""
+    return f"{quantity.value:.3g}{unit} ({quantity.ci95[0]:.3g} to {quantity.ci95[1]:.3g}{bound})"
 
 
 def _say_link(link: LinkRecord) -> str:

@@ -19,11 +19,11 @@ from .equations import ArmEquations, BoolArray, EquationSums
 from .fit import ArmFit, ArmModel, fit_arm
 from .friction import JointForm
 from .prior import ArmPrior
+from .rigid.simulated_arm import SimulatedArm
 from .ripple import RippleSearch
 from .rows import ArmRows
-from .simulated_arm import SimulatedArm
 
-__all__ = ["ConfirmedData", "HeldOutErrors", "without_term"]
+__all__ = ["ConfirmedData", "HeldOutErrors", "without_term", "without_terms"]
 
 _PAIRS = 5
 _BLOCKS = 20
@@ -48,10 +48,17 @@ class HeldOutErrors:
 
 
 def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
-    """The model without one term of a joint."""
+    """The model without one term of a joint, and without what was held at zero beside it."""
     forms = list(model.forms)
     forms[joint] = forms[joint].without_term(term)
-    return replace(model, forms=tuple(forms))
+    return replace(model, forms=tuple(forms), pinned=frozenset(one for one in model.pinned if one[0] != joint))
+
+
+def without_terms(model: ArmModel, joint: int, terms: Sequence[str]) -> ArmModel:
+    """The model without several terms of a joint."""
+    for term in terms:
+        model = without_term(model, joint, term)
+    return model
 
 
 class ConfirmedData:
@@ -74,7 +81,7 @@ class ConfirmedData:
         """Share of halves of the recording in which each term of each joint makes it more probable."""
         rng = np.random.default_rng(seed)
         votes: dict[tuple[int, str], list[bool]] = {
-            (j, name): [] for j, form in enumerate(fit.model.forms) for name, _ in form.terms
+            (j, name): [] for j, form in enumerate(fit.model.forms) for name in form.names if name != "stribeck"
         }
         for _ in range(_PAIRS) if votes else ():
             first = rng.permutation(_BLOCKS) % 2 == 0
@@ -95,28 +102,34 @@ class ConfirmedData:
 
     def measure_errors(self, fit: ArmFit) -> HeldOutErrors:
         """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
-        plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms))
+        plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms), pinned=frozenset())
         fold = self._block % _FOLDS
         simulated = [_simulate_plainly(self._arm, self.equations, fold != k) for k in range(_FOLDS)]
         return HeldOutErrors(
-            simulation=_join_folds(self.equations, fold, simulated),
+            simulation=_measure_rows(self.equations, _join_folds(fold, simulated)),
             plain=self.measure_model(plain, fit),
             model=self.measure_model(fit.model, fit),
         )
 
     def measure_model(self, model: ArmModel, start: ArmFit) -> FloatArray:
         """Held-out error of one model, fitted from `start` to the other blocks [N·m] or [N]. Shape (n_joints,)."""
+        return _measure_rows(self.equations, self.leave_out(model, start))
+
+    def leave_out(self, model: ArmModel, start: ArmFit) -> FloatArray:
+        """What one model leaves of rows by fits from `start` to blocks that they are not in. Shape (n, n_joints)."""
         fits = [fit_arm(self._arm, part, model, self._prior, start, steps=5) for part in self._trained]
-        return _join_folds(self.equations, self._block % _FOLDS, [one.residuals(self.equations) for one in fits])
+        return _join_folds(self._block % _FOLDS, [one.residuals(self.equations) for one in fits])
 
 
-def _join_folds(equations: ArmEquations, block: NDArray[np.intp], left: Sequence[FloatArray]) -> FloatArray:
-    """RMS of what each fold leaves of the rows that it was not fitted to. Shape (n_joints,)."""
+def _join_folds(fold: NDArray[np.intp], left: Sequence[FloatArray]) -> FloatArray:
+    """What each fold leaves of the rows that it was not fitted to. Shape (n, n_joints)."""
+    return np.asarray(np.stack(left)[fold, np.arange(fold.size)])
+
+
+def _measure_rows(equations: ArmEquations, left: FloatArray) -> FloatArray:
+    """RMS over the rows that are compared. Shape (n_joints,)."""
     used = equations.moving
-    squares = sum(
-        np.sum(np.where(used & (block == fold)[:, None], one, 0.0) ** 2, axis=0) for fold, one in enumerate(left)
-    )
-    return np.asarray(np.sqrt(squares / np.maximum(np.sum(used, axis=0), 1)))
+    return np.asarray(np.sqrt(np.sum(np.where(used, left, 0.0) ** 2, axis=0) / np.maximum(np.sum(used, axis=0), 1)))
 
 
 def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolArray) -> FloatArray:

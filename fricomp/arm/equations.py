@@ -16,9 +16,21 @@ from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-from .friction import Filled, column_names, find_columns, friction_columns, load_columns, ripple_columns
+from .friction import (
+    LEAST_STRIBECK,
+    MOST_STRIBECK,
+    TERMS,
+    Filled,
+    column_names,
+    find_columns,
+    friction_columns,
+    load_columns,
+    plain_columns,
+    ripple_columns,
+    stribeck_columns,
+)
+from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
-from .simulated_arm import SimulatedArm
 
 BoolArray = NDArray[np.bool_]
 
@@ -27,11 +39,24 @@ __all__ = ["ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equati
 _SLOW = 0.02
 """Speeds below this part of a joint's top speed leave its sign to noise; such rows of that joint are not compared."""
 
+_MOST_SLOW = 0.3
+"""The same where the steps of an encoder would leave out more: then friction is known as badly as they say."""
+
 _HUBER = 3.0
 """Standard deviations beyond which a row counts less: a push, or a reversal that the friction model does not hold."""
 
+_NEAR = 6
+"""Rows from a reversal over which the filters spread what happens there: one and a half periods of the cutoff."""
+
+_FEWEST = 20
+"""Rows from which a spread is measured."""
+
 _BLOCK_TIME = 1.0
 """[s] of rows that may be wrong together: structure rings and friction creeps for less."""
+
+_MOST_INFLATION = 2.0
+"""Highest inflation of a joint, in the median of all. Links are shared: a joint that they fit badly errs for long at a
+time, would count for less, and be fitted still worse."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +83,14 @@ class ArmEquations:
         weights: Of the rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
+        stribeck: Stribeck velocities in the columns of each joint [rad/s] or [m/s]. Shape (n_joints, n_variants).
     """
 
     columns: FloatArray
     weights: Weights
     top_speed: FloatArray
     ripple: FloatArray
+    stribeck: FloatArray
 
     @cached_property
     def sums(self) -> FloatArray:
@@ -113,22 +140,42 @@ class ArmEquations:
         waves = [ripple_columns(rows, j, order) * (order > 0.0) for j, order in enumerate(orders.tolist())]
         return replace(self._fill("ripple", waves), ripple=orders)
 
+    def with_stribeck(self, rows: ArmRows, speeds: FloatArray) -> ArmEquations:
+        """The same with curves of these Stribeck velocities, as far as a joint can show them. Shape as `stribeck`."""
+        top = self.top_speed[:, None]
+        speeds = np.clip(speeds, LEAST_STRIBECK * top, MOST_STRIBECK * top)
+        columns, first = self.columns.copy(), self._friction + find_columns("stribeck").start
+        size = len(TERMS["stribeck"].columns)
+        for j, k in np.argwhere(speeds != self.stribeck).tolist():
+            columns[j, :, first + size * k : first + size * (k + 1)] = stribeck_columns(rows, j, speeds[j, k])
+        return replace(self, columns=columns, stribeck=speeds)
+
     def _fill(self, filled: Filled, values: Sequence[FloatArray]) -> ArmEquations:
         columns, place = self.columns.copy(), find_columns(filled)
         for one, value in zip(columns, values, strict=True):
             one[:, self._friction + place.start : self._friction + place.stop] = value
         return replace(self, columns=columns)
 
-    def with_residuals(self, residuals: FloatArray, rows: ArmRows, *, robust: bool = True) -> ArmEquations:
+    def with_residuals(
+        self, residuals: FloatArray, rows: ArmRows, *, robust: bool = True, settled: bool = False
+    ) -> ArmEquations:
         """The same with weights and noise as the residuals of a fit have them.
 
         Args:
             residuals: [N·m] or [N]. Shape (n, n_joints).
             rows: Their times.
             robust: Hold outliers down; otherwise all rows count alike, and what few of them leave counts as noise.
+            settled: Rows near a reversal of their joint count by what is left of such rows. A joint that sticks has no
+                sign of its velocity, and the filters spread that; but a model still to be chosen is chosen by them.
         """
         most = _HUBER if robust else np.inf
-        return replace(self, weights=_weigh(residuals, self.moving, rows, most))
+        near = _count_from_reversal(self.moving, rows.part) if settled else np.full(self.moving.shape, _NEAR + 1)
+        return replace(self, weights=_weigh(residuals, self.moving, near, rows, most))
+
+    def friction_of(self, joint: int, names: Sequence[str]) -> FloatArray:
+        """Columns of a joint's friction by their names. Shape (n, len(names))."""
+        every = column_names()
+        return np.asarray(self.columns[joint][:, [self._friction + every.index(name) for name in names]])
 
     @property
     def moving(self) -> BoolArray:
@@ -167,13 +214,14 @@ class EquationSums:
         )
 
 
-def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEquations:
+def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain: bool = False) -> ArmEquations:
     """Set up all columns of all joints.
 
     Args:
         arm: The simulation.
         rows: Motion and torques.
         load: Torque that each joint transmits, for friction that follows it [N·m]. Shape (n, n_joints).
+        plain: No model of more than plain friction will be fitted: the other columns stay zero.
     """
     acceleration = rows.compare(lambda _, __, a: a)
     speed = np.abs(rows.compare(lambda _, v, __: v))
@@ -185,19 +233,41 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEq
     first = rows.links.shape[2] + 1
     for j, one in enumerate(columns):
         one[:, : first - 1], one[:, first - 1] = rows.links[:, j], acceleration[:, j]
-        one[:, first + place.start : first + place.stop] = friction_columns(rows, j, float(top[j]))
-    moving = (speed > _SLOW * top).astype(np.float64)
+        known = plain_columns(rows, j) if plain else friction_columns(rows, j, float(top[j]))
+        one[:, first + place.start : first + place.start + known.shape[1]] = known
+    moving = (speed > np.maximum(_SLOW * top, np.minimum(rows.least_speed, _MOST_SLOW * top))).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
-    bare = ArmEquations(columns, Weights(moving, noise, np.ones(n)), top, np.zeros(n))
-    return bare.with_load(load).with_torque(rows)
+    parts = np.array([part or 0.0 for part in TERMS["stribeck"].values])
+    bare = ArmEquations(columns, Weights(moving, noise, np.ones(n)), top, np.zeros(n), np.zeros((n, parts.size)))
+    bare = bare.with_load(load).with_torque(rows)
+    return bare if plain else bare.with_stribeck(rows, top[:, None] * parts)
 
 
-def _weigh(residuals: FloatArray, used: BoolArray, rows: ArmRows, most: float) -> Weights:
+def _weigh(residuals: FloatArray, used: BoolArray, near: NDArray[np.intp], rows: ArmRows, most: float) -> Weights:
     """Weights that hold outliers down [huber1964], and how much rows err together."""
-    noise = np.array([_measure_spread(r[u], most) for r, u in zip(residuals.T, used.T, strict=True)])
-    weights = np.where(used, np.minimum(1.0, most * noise / np.maximum(np.abs(residuals), 1e-300)), 0.0)
-    scores = weights * residuals / noise
-    return Weights(weights, noise, np.array([_measure_inflation(score, rows) for score in scores.T]))
+    far = used & (near > _NEAR)
+    far = np.where(np.sum(far, axis=0) >= _FEWEST, far, used)
+    noise = np.array([_measure_spread(r[u], most) for r, u in zip(residuals.T, far.T, strict=True)])
+    spread = np.tile(noise, (len(residuals), 1))
+    for distance in range(1, _NEAR + 1):
+        for j, here in enumerate((used & (near == distance)).T):
+            if np.sum(here) >= _FEWEST:
+                spread[here, j] = max(noise[j], _measure_spread(residuals[here, j], most))
+    outliers = np.minimum(1.0, most * spread / np.maximum(np.abs(residuals), 1e-300))
+    weights = np.where(used, outliers * (noise / spread) ** 2, 0.0)
+    inflation = np.array([_measure_inflation(score, rows) for score in (weights * residuals / noise).T])
+    return Weights(weights, noise, np.minimum(inflation, _MOST_INFLATION * float(np.median(inflation))))
+
+
+def _count_from_reversal(moving: BoolArray, part: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Rows to the nearest one in which the joint does not move, at most one more than count as near. Shape as given."""
+    near = np.where(moving, _NEAR + 1, 0)
+    for distance in range(1, _NEAR + 1):
+        before, after = np.zeros_like(moving), np.zeros_like(moving)
+        same = (part[1:] == part[:-1])[:, None]
+        before[1:], after[:-1] = (near[:-1] == distance - 1) & same, (near[1:] == distance - 1) & same
+        near = np.where((near > distance) & (before | after), distance, near)
+    return near
 
 
 def _measure_spread(values: FloatArray, most: float) -> float:

@@ -18,7 +18,7 @@ from .drive_gain import take_torques
 from .identification import Progress, identify_arm
 from .prior import ArmPrior
 from .record import ArmRecord
-from .simulated_arm import SimulatedArm, read_arm
+from .rigid.simulated_arm import SimulatedArm, read_arm
 
 __all__ = ["ArmExamination", "examine_arm", "match_recordings"]
 

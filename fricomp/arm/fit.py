@@ -8,7 +8,8 @@ friction's place and extrapolate to torques above those recorded.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,19 +18,26 @@ from numpy.typing import NDArray
 from fricomp.laws import FloatArray
 
 from .equations import ArmEquations, EquationSums
-from .friction import TERMS, JointForm, column_names
-from .inertia import N_INERTIA, LinkCoordinates
+from .friction import PLAIN, TERMS, JointForm, column_names
 from .prior import ArmPrior
+from .rigid.inertia import N_INERTIA, LinkCoordinates
+from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
-from .simulated_arm import SimulatedArm
 
-__all__ = ["ArmFit", "ArmModel", "Glance", "fit_arm"]
+__all__ = ["ArmFit", "ArmModel", "Glance", "fit_arm", "measure_pulls"]
 
 _CONVERGED = 1e-8
 """Fall of the objective in a step, as part of it, below which the fit stands still."""
 
 _WARMTH = 10.0
 """[K] over which friction may change by all of its prior: joints at work get that much warmer."""
+
+_LEAST_LEVEL = 1e-3
+"""Of a joint's widest friction torque, that its Coulomb level is taken to have at least."""
+
+_HELD, _HELD_PART = 1e-9, 1e-6
+"""Prior deviation of what is held at its mean, in its own unit; of friction, as part of what it is otherwise, since a
+model is weighed from where it is not held."""
 
 _PARTS = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Of a Gauss-Newton step that are tried, longest first: inertia is quadratic in its coordinates."""
@@ -43,11 +51,17 @@ class ArmModel:
         forms: Friction of each joint.
         opened: Links that may be far off.
         gain: Whether all torques may have a common gain.
+        rotorless: Joints without a rotor's inertia: their torques, such as those of a sensor behind the gear, asked for
+            less than none.
+        pinned: Numbers of joints and names of friction parameters that are held at zero, since a joint would feed
+            energy in with what the recording asks for.
     """
 
     forms: tuple[JointForm, ...]
     opened: frozenset[int] = frozenset()
     gain: bool = False
+    rotorless: frozenset[int] = frozenset()
+    pinned: frozenset[tuple[int, str]] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -162,6 +176,20 @@ def fit_arm(
     )
 
 
+def measure_pulls(fit: ArmFit, stretches: Sequence[EquationSums]) -> list[tuple[FloatArray, FloatArray]]:
+    """How single stretches of a recording hold and pull the parameters.
+
+    Args:
+        fit: Where they pull.
+        stretches: Sums over the rows of each.
+
+    Returns:
+        Half the curvature and half the downward slope of the weighted squares of each. Shapes (n, n) and (n,).
+    """
+    coordinates = _Coordinates(fit.arm, fit.model)
+    return [_linearise(coordinates, one, fit.x)[:2] for one in stretches]
+
+
 class Glance:
     """How much more probable other models make a recording, by the slope and curvature at a fit of one of them.
 
@@ -191,6 +219,18 @@ class Glance:
     def measure_gain(self, model: ArmModel) -> float:
         """Logarithm of the Bayes factor of a model against the one that was fitted."""
         return self._measure(model) - self._now
+
+    def solve(self, model: ArmModel) -> ArmFit:
+        """The fit of a model, as far as the equations are linear; its evidence is beside the others of this glance."""
+        own = _Coordinates(self._fit.arm, model)
+        mean, deviation = own.place_prior(self._equations, self._prior)
+        at = self._find(own)
+        scaled = self._H[np.ix_(at, at)] * np.outer(deviation, deviation) + np.eye(at.size)
+        pull = deviation * self._g[at] - (self._x[at] - mean) / deviation
+        spread = np.linalg.inv(scaled) * np.outer(deviation, deviation)
+        x = self._x[at] + deviation * np.linalg.solve(scaled, pull)
+        evidence = self._measure(model)
+        return replace(self._fit, model=model, x=x, covariance=spread, prior_deviation=deviation, log_evidence=evidence)
 
     def _measure(self, model: ArmModel) -> float:
         own = _Coordinates(self._fit.arm, model)
@@ -330,12 +370,29 @@ class _Coordinates:
             own = abs(float(sums[self.n_inertial, : self.n_inertial] @ arm.inertia.ravel()))
             own /= max(float(sums[self.n_inertial, self.n_inertial]), 1e-12)
             deviation[self.n_inertial + j] = prior.rotors * max(own + arm.armature[j], 1e-9)
+            if j in self.model.rotorless:
+                mean[self.n_inertial + j], deviation[self.n_inertial + j] = 0.0, _HELD
             ones = max(float(sums[self.n_inertial + 2, self.n_inertial + 2]), 1.0)  # of the column of the offset
             typical = prior.friction * np.sqrt(max(float(sums[-1, -1]) / ones, 1e-18))
-            speed = float(equations.top_speed[j])
-            deviation[place] = [_size_column(name, typical, speed, prior) for name in self.model.forms[j].columns]
-        deviation[-2], deviation[-1] = prior.delay, prior.gain if self.model.gain else 1e-9
+            speed, level = float(equations.top_speed[j]), self._guess_level(sums, j, typical)
+            by_level = {"stribeck": prior.stribeck * level, "spring_torque": prior.spring * level}
+            deviation[place] = [
+                by_level.get(name.split(".")[0], 0.0) or _size_column(name, typical, speed, prior)
+                for name in self.model.forms[j].columns
+            ]
+            held = [(j, name) in self.model.pinned for name in self.model.forms[j].columns]
+            deviation[place] *= np.where(held, _HELD_PART, 1.0)
+        deviation[-2], deviation[-1] = prior.delay, prior.gain if self.model.gain else _HELD
         return mean, deviation
+
+    def _guess_level(self, sums: FloatArray, joint: int, typical: float) -> float:
+        """Coulomb level of a joint beside its simulated torque times a factor [N·m] or [N]."""
+        some = np.zeros((sums.shape[0], 1 + len(PLAIN)))
+        some[: self.n_inertial, 0] = self.arm.inertia.ravel()
+        some[self.n_inertial, 0] = self.arm.armature[joint]
+        some[self.n_inertial + 1 : self.n_inertial + 1 + len(PLAIN), 1:] = np.eye(len(PLAIN))
+        found = np.linalg.lstsq(some.T @ sums @ some, some.T @ sums[:, -1], rcond=None)[0]
+        return max(abs(float(found[1 + PLAIN.index("coulomb")])), _LEAST_LEVEL * typical)
 
 
 def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:

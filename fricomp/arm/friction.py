@@ -2,7 +2,7 @@
 
     F_c s + b + F_v v + D |v|                        every joint
     (E s + D_e) exp(-(v/v_s)²)                       Stribeck effect
-    W_s 2 (v/v_s)² exp(-(v/v_s)²) s                  what a Stribeck velocity beside v_s makes of it, W_s = E δv_s/v_s
+    W_s 2 (v/v_s)² exp(-(v/v_s)²) s                  along v_s, which moves until W_s = E δv_s/v_s is next to none
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
@@ -26,7 +26,9 @@ from fricomp.laws import FloatArray
 from .rows import ArmRows
 
 __all__ = [
+    "LEAST_STRIBECK",
     "LOWEST_RIPPLE",
+    "MOST_STRIBECK",
     "PLAIN",
     "TERMS",
     "JointForm",
@@ -35,7 +37,9 @@ __all__ = [
     "find_columns",
     "friction_columns",
     "load_columns",
+    "plain_columns",
     "ripple_columns",
+    "stribeck_columns",
     "turn_bristle",
 ]
 
@@ -43,14 +47,17 @@ PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 """Parameters that every joint has."""
 
 _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
-"""Stribeck velocities to choose from, as parts of a joint's top speed. A curve between two of them is reached by the
-slope of the curve along its velocity."""
+"""Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
+fits best."""
+
+LEAST_STRIBECK, MOST_STRIBECK = 0.01, 0.6
+"""Of a joint's top speed, between which a Stribeck velocity lies: below, no row shows it; above, it is drag."""
 
 _BREAKAWAY = (0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 16e-3)
 """Breakaway distances to choose from [rad] or [m]."""
 
-_EXPONENTS = (0.5, 0.7)
-"""Of viscous friction to choose from; the catalogue has 0.5 to 0.9."""
+_EXPONENTS = (0.35, 0.5, 0.6, 0.7, 0.8, 0.9)
+"""Of viscous friction to choose from; the catalogue has 0.5 to 0.9, and what fits best below is none of it."""
 
 _ORDERS = (1.0, 2.0)
 """Waves of friction a turn: of a shaft that is off its axis, and of one that is oval."""
@@ -58,9 +65,9 @@ _ORDERS = (1.0, 2.0)
 LOWEST_RIPPLE = 4.0
 """Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
 
-Filled = Literal["motion", "delay", "ripple", "load"]
-"""What the columns of a term are made of: the motion, the torque's own rate, a wave of an order that is found, or the
-transmitted torque."""
+Filled = Literal["motion", "stribeck", "delay", "ripple", "load"]
+"""What the columns of a term are made of: the motion, a Stribeck velocity that is found, the torque's own rate, a wave
+of an order that is found, or the transmitted torque."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +83,7 @@ class JointTerm:
         alike: Names that no recording of an arm tells from it.
         family: Of forms of the same physics: a second one of a family mends the form of the first and is no effect of
             its own; by default a term stands alone.
+        replaces: Of `PLAIN`, what it may stand in place of.
     """
 
     name: str
@@ -85,6 +93,7 @@ class JointTerm:
     label: str = ""
     alike: tuple[str, ...] = ()
     family: str = ""
+    replaces: tuple[str, ...] = ()
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -94,11 +103,18 @@ class JointTerm:
 TERMS = {
     term.name: term
     for term in (
-        JointTerm("stribeck", ("excess", "excess_difference", "width"), _STRIBECK),
+        JointTerm("stribeck", ("excess", "excess_difference", "width"), _STRIBECK, filled="stribeck"),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance"),
         JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order"),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
-        JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS, label="exponent", family="speed"),
+        JointTerm(
+            "power_law_viscous",
+            ("torque_at_top_speed",),
+            _EXPONENTS,
+            label="exponent",
+            family="speed",
+            replaces=("viscous",),
+        ),
         JointTerm("spring_torque", ("stiffness",)),
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
@@ -140,13 +156,18 @@ class JointForm:
         """Names of the terms, in the order in which they were taken in."""
         return tuple(name for name, _ in self.terms)
 
+    def has_other_form(self, name: str) -> bool:
+        """Whether another term is a form of the same effect."""
+        family = TERMS[name].family
+        return bool(family) and any(other != name and TERMS[other].family == family for other in self.names)
+
     def find_head(self, name: str) -> str:
         """The term whose form this one mends: the first of its family, or itself."""
         family = TERMS[name].family
         return next(other for other in self.names if other == name or (family and TERMS[other].family == family))
 
 
-_FILLED: tuple[Filled, ...] = ("motion", "delay", "ripple", "load")
+_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "load")
 
 
 def column_names() -> tuple[str, ...]:
@@ -166,6 +187,16 @@ def _list_columns(filled: Filled) -> tuple[str, ...]:
     return tuple(name for term in terms for k in range(len(term.values)) for name in term.names(k))
 
 
+def plain_columns(rows: ArmRows, joint: int) -> FloatArray:
+    """Columns of one joint that `PLAIN` lists. Shape (n, 4)."""
+
+    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
+        v = velocity[:, joint]
+        return np.stack([np.sign(v), np.ones_like(v), v, np.abs(v)], axis=1)
+
+    return rows.compare(build)
+
+
 def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
     """Columns of one joint that are made of its motion and temperature.
 
@@ -181,24 +212,32 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
 
     def build(position: FloatArray, velocity: FloatArray, _: FloatArray) -> FloatArray:
         q, v = position[:, joint], velocity[:, joint]
-        s, columns = np.sign(v), []
-        for part in _STRIBECK:
-            square = (v / (part * top_speed)) ** 2
-            fall = np.exp(-square)
-            columns += [s * fall, fall, s * 2.0 * square * fall]
-        columns += [turn_bristle(q, distance) - s for distance in _BREAKAWAY]
+        s = np.sign(v)
+        columns = [turn_bristle(q, distance) - s for distance in _BREAKAWAY]
         columns += [wave(n * q) * s for n in _ORDERS for wave in (np.cos, np.sin)]
         columns += [v * np.abs(v)]
         columns += [s * (np.abs(v) / top_speed) ** n for n in _EXPONENTS]
         columns += [q - middle]
-        return np.stack([s, np.ones_like(v), v, np.abs(v), *columns], axis=1)
+        return np.stack(columns, axis=1)
 
     warmth = [each[:, joint] for each in rows.warmth]
     warm = [
         np.stack([np.sign(v[:, joint]) * w, v[:, joint] * w], axis=1)
         for (_, v, _), w in zip(rows.motion, warmth, strict=True)
     ]
-    return np.column_stack([rows.compare(build), rows.compare_samples(warm)])
+    return np.column_stack([plain_columns(rows, joint), rows.compare(build), rows.compare_samples(warm)])
+
+
+def stribeck_columns(rows: ArmRows, joint: int, speed: float) -> FloatArray:
+    """The Stribeck curve of one joint at a Stribeck velocity [rad/s] or [m/s]. Shape (n, 3)."""
+
+    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
+        v = velocity[:, joint]
+        s, square = np.sign(v), (v / speed) ** 2
+        fall = np.exp(-square)
+        return np.stack([s * fall, fall, s * 2.0 * square * fall], axis=1)
+
+    return rows.compare(build)
 
 
 def load_columns(load: FloatArray, sign: FloatArray) -> FloatArray:

@@ -32,14 +32,10 @@ _LEAST_PART = 1e-3
 """Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
 
 _SHIFTS = (-0.4, 0.6)
-"""How far a Stribeck velocity may lie from the one that was chosen, as part of it: beyond, the next one would be."""
+"""How far a Stribeck velocity may lie from the one of the columns, as part of it."""
 
 _LEAST_VISCOUS = 1e-6
 """[N·m·s/rad] of a joint that has none: its change with the temperature needs a positive one."""
-
-
-_MOST_PART = 0.95
-"""Of the Coulomb level, from which all of it is taken to bend: what is left could not be told from none."""
 
 
 _MOST_PART = 0.95
@@ -98,7 +94,7 @@ def _build_curves(
         names = TERMS["stribeck"].names(form["stribeck"])
         excess, difference, width = (values[name] for name in names)
         shift = float(np.clip(width / excess, *_SHIFTS)) if excess > 0.0 else 0.0
-        speed = _value_of("stribeck", form) * float(found.equations.top_speed[joint]) * (1.0 + shift)
+        speed = float(found.equations.stribeck[joint, form["stribeck"]]) * (1.0 + shift)
     curves = []
     for sign in (1.0, -1.0):
         coulomb = level + sign * offset

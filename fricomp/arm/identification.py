@@ -19,13 +19,14 @@ from .arm_recording import ArmRecording
 from .equations import ArmEquations, build_equations
 from .fit import ArmFit, ArmModel, Glance, fit_arm
 from .friction import TERMS, JointForm
-from .physics import is_physical
+from .physics import hold_at_zero, is_physical
 from .prior import ArmPrior
+from .rigid.simulated_arm import SimulatedArm
 from .ripple import propose_ripples
 from .rows import ArmRows, build_rows
-from .simulated_arm import SimulatedArm
+from .stribeck import refine_stribeck
 
-__all__ = ["ArmIdentification", "fit_robustly", "identify_arm"]
+__all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
 
 Progress = Callable[[str], None]
 
@@ -41,7 +42,7 @@ _DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 4, 2, 2
 _ALIKE = 3.0
 """Difference of such logarithms below which two explanations are said to do as well: odds of twenty to one."""
 
-_GLANCE, _LOOK = 2, 15
+_GLANCE, LOOK_STEPS = 2, 15
 """Gauss-Newton steps in which a term is weighed, and a link that may be far off, which is not linear."""
 
 _GLANCE_ERROR = 3.0
@@ -52,6 +53,10 @@ _SURE = 2.0
 
 _EVIDENCE = 6.0
 """Logarithm of the least Bayes factor by which something is taken in: a probability of 0.998 at even odds."""
+
+
+_PROBABLE = 0.0
+"""The same of a Stribeck curve, which every friction law has: it is taken in where it is more probable than none."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,7 @@ def identify_arm(
         model, fit, equations = _take_in(rows, equations, before, prior, trials, rivals, arm)
         if model == before:
             break
+    fit, equations = fit_robustly(arm, rows, equations, model, prior, fit, settled=True)
     return ArmIdentification(recording, rows, equations, fit, (delay, deviation), prior, trials, rivals)
 
 
@@ -120,6 +126,8 @@ def fit_robustly(
     model: ArmModel,
     prior: ArmPrior,
     start: ArmFit | None = None,
+    *,
+    settled: bool = False,
 ) -> tuple[ArmFit, ArmEquations]:
     """A fit in which rows count by what it leaves of them, and friction follows the load that it finds.
 
@@ -130,13 +138,20 @@ def fit_robustly(
         model: What is fitted.
         prior: How far the simulation is trusted.
         start: A fit to begin with.
+        settled: Nothing more is taken in: rows near a reversal count by what is left of them, no rotor's inertia is
+            below zero, and no viscous friction. While terms are chosen they may be, since what pulls them there would
+            pull at the terms.
     """
     fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
         fresh = equations.with_load(fit.compute_load(rows))
-        equations = fresh.with_residuals(fit.residuals(fresh), rows)
+        equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
         fit = fit_arm(arm, equations, model, prior, fit)
-    return fit, equations
+    fit, equations = refine_stribeck(rows, equations, fit, prior)
+    held = hold_at_zero(fit) if settled else fit.model
+    if held == fit.model:
+        return fit, equations
+    return fit_robustly(arm, rows, equations, held, prior, fit, settled=settled)
 
 
 def _choose_rows(
@@ -150,7 +165,7 @@ def _choose_rows(
         rows = build_rows(arm, recording, cutoff)
         if len(rows) < 3 * len(arm.joints):
             continue
-        bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+        bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel(), plain=True)
         fit, equations = fit_robustly(arm, rows, bare, model, prior)
         whole = equations.with_residuals(fit.residuals(equations), rows, robust=False)
         fit = fit_arm(arm, whole, model, prior, fit)
@@ -160,7 +175,8 @@ def _choose_rows(
             best = volume, rows, equations
     if best is None:
         raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
-    return best[1], best[2]
+    rows = best[1]
+    return rows, replace(build_equations(arm, rows, rows.links @ arm.inertia.ravel()), weights=best[2].weights)
 
 
 def _take_off_delay(
@@ -174,8 +190,8 @@ def _take_off_delay(
 ) -> tuple[ArmRows, ArmEquations, float, float]:
     """Rows in which the torques are as early as the positions, the delay that was taken off [s], and its deviation."""
     total, deviation = start, 0.0
-    for _ in range(_DELAY_ROUNDS):
-        fit, equations = fit_robustly(arm, rows, equations, model, prior)
+    for _ in range(_DELAY_ROUNDS):  # settled: a joint that sticks turns later than it would
+        fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
         more, deviation = fit.delay
         if abs(more) < (0.5 if total else _SURE) * deviation:
             break
@@ -201,9 +217,9 @@ def _take_in(
         tried = _try_out(equations, fit, prior, trials)
         gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
         trials |= gains  # of the best variant of each
-        best = max(gains, key=lambda name: gains[name], default=None)
-        if best is None or gains[best] < _EVIDENCE:
-            return model, fit, equations
+        best = max(gains, key=lambda name: gains[name] - _require(name), default=None)
+        if best is None or gains[best] < _require(best):
+            return fit.model, fit, equations
         alike = [name for name in _order(tried) if _is_rival(name, best) and gains[name] > gains[best] - _ALIKE]
         rivals[alike[0]] = tuple(alike[1:])
         chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
@@ -216,9 +232,9 @@ def _try_out(
 ) -> list[tuple[str, ArmFit]]:
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
     glance = Glance(equations, fit, prior)
-    gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in _propose(fit.arm, fit.model)]
+    gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in propose_models(fit.arm, fit.model)]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
-    open_ones = [each for each in gains if each[2] > _EVIDENCE - _GLANCE_ERROR]
+    open_ones = [each for each in gains if each[2] > _require(each[0]) - _GLANCE_ERROR]
     while open_ones:
         best = max(gain for _, _, gain in open_ones)
         now = [each for each in open_ones if each[2] >= best - _ALIKE - _GLANCE_ERROR]
@@ -226,7 +242,7 @@ def _try_out(
             (name, fit_arm(fit.arm, equations, other, prior, fit, steps=_count_steps(fit, other)))
             for name, other, _ in now
         ]
-        tried = [(name, one) for name, one in tried if is_physical(one)]
+        tried = [(name, one) for name, one in tried if is_physical(one, fit)]
         if tried:
             return tried
         open_ones = [each for each in open_ones if each not in now]
@@ -252,8 +268,13 @@ def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:
     return min(gain, beyond)
 
 
+def _require(name: str) -> float:
+    """Logarithm of the Bayes factor that is asked for."""
+    return _PROBABLE if name.endswith(": stribeck") else _EVIDENCE
+
+
 def _count_steps(fit: ArmFit, other: ArmModel) -> int:
-    return _GLANCE if other.opened == fit.model.opened else _LOOK
+    return _GLANCE if other.opened == fit.model.opened else LOOK_STEPS
 
 
 def _evidence_of(tried: tuple[str, ArmFit]) -> float:
@@ -270,11 +291,15 @@ def _is_rival(name: str, other: str) -> bool:
     return name.split(": ", maxsplit=1)[0] == other.split(": ", maxsplit=1)[0]
 
 
-def _propose(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
+def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
+    """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
     for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
         for term in TERMS.values() if arm.rotary[j] else ():
             for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
-                yield f"{joint}: {term.name}", _with_form(model, j, form.with_term(term.name, variant))
+                other = _with_form(model, j, form.with_term(term.name, variant))
+                yield f"{joint}: {term.name}", other
+                if term.replaces:
+                    yield f"{joint}: {term.name}", replace(other, pinned=model.pinned | {(j, n) for n in term.replaces})
     for i, link in enumerate(arm.links):
         if i not in model.opened:
             yield f"{link} is off", replace(model, opened=model.opened | {i})

@@ -16,7 +16,7 @@ from fricomp.laws import FloatArray
 
 from .friction import column_names
 from .identification import ArmIdentification
-from .inertia import N_INERTIA
+from .rigid.inertia import N_INERTIA
 
 __all__ = ["fit_within_law"]
 

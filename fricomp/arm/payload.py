@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.signal import butter, filtfilt
+from scipy.stats import norm, t
 
 from fricomp.diagnosis.inputs.checks import reasons_against
 from fricomp.diagnosis.inputs.given import Given
@@ -26,9 +27,9 @@ from fricomp.errors import DiagnosisError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .inertia import N_INERTIA, combine_inertia
-from .regressor import compute_regressor
-from .simulated_arm import SimulatedArm, read_arm
+from .rigid.inertia import N_INERTIA, combine_inertia
+from .rigid.regressor import compute_regressor
+from .rigid.simulated_arm import SimulatedArm, read_arm
 
 __all__ = ["Payload", "diagnose_payload", "find_payload", "group_sessions"]
 
@@ -165,8 +166,10 @@ def find_payload(arm: SimulatedArm, sessions: Sequence[Session]) -> Payload:
     parts = {name: _build_joint_rows(arm.joints.index(name), rows, [known[name] for known in gains]) for name in joints}
     weights, noise = _solve_folds(parts, None)
     drawn = np.array([_solve_folds(parts, fold)[0] for fold in range(SETTINGS.folds)])
-    deviation = np.sqrt((SETTINGS.folds - 1) * np.var(drawn @ _MOMENTS, axis=0))
-    shown = _find_shown(parts)
+    variance = (SETTINGS.folds - 1) * np.var(drawn @ _MOMENTS, axis=0)
+    if len(sessions) == 1:
+        variance = variance + _compare_joints(parts)
+    deviation, shown = np.sqrt(variance), _find_shown(parts)
     moments = {
         name: (float(value), float(error))
         for name, value, error, seen in zip(_NAMES, weights @ _MOMENTS, deviation, shown, strict=True)
@@ -308,6 +311,20 @@ def _find_shown(parts: dict[str, _JointRows]) -> list[bool]:
     V = V[s > SETTINGS.seen * s[0]]
     away = np.linalg.norm(_MOMENTS - V.T @ (V @ _MOMENTS), axis=0) / np.linalg.norm(_MOMENTS, axis=0)
     return [bool(one < SETTINGS.told) for one in away]
+
+
+def _compare_joints(parts: dict[str, _JointRows]) -> FloatArray:
+    """Variance of mass and first moments by which joints are left out in turn, which others still fix. Shape (4,).
+
+    Links that weigh something else than the simulation says pull each joint's payload to another place: where the
+    simulation is right, all joints agree.
+    """
+    fewer = [{name: part for name, part in parts.items() if name != left} for left in parts]
+    drawn = [_solve_folds(some, None)[0] @ _MOMENTS for some in fewer if some and _find_shown(some)[0]]
+    if len(drawn) < 2:
+        return np.zeros(_MOMENTS.shape[1])
+    few = float(t.ppf(0.975, len(drawn) - 1) / norm.ppf(0.975))  # so few that a deviation is known badly itself
+    return np.asarray(few**2 * (len(drawn) - 1) * np.var(drawn, axis=0))
 
 
 def _solve_folds(parts: dict[str, _JointRows], left_out: int | None) -> tuple[FloatArray, dict[str, float]]:

@@ -2,34 +2,67 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from .fit import ArmFit
+from .fit import ArmFit, ArmModel
 
-__all__ = ["is_physical"]
+__all__ = ["hold_at_zero", "is_physical"]
 
 _SURE = 2.0
 """Standard deviations by which a parameter must be on the wrong side."""
 
-
-def is_physical(fit: ArmFit) -> bool:
-    """Whether the friction of every joint can exist."""
-    return all(_can_exist(fit, j) for j in range(len(fit.arm.joints)))
+_NONE = 1e-6
+"""[kg·m²] or [kg] below zero that a rotor without inertia may come out with, and as much of viscous friction."""
 
 
-def _can_exist(fit: ArmFit, joint: int) -> bool:
+def hold_at_zero(fit: ArmFit) -> ArmModel:
+    """The model without a rotor's inertia, or viscous friction, where that came out below zero.
+
+    Friction that falls below zero in one direction first loses what both directions differ by: a joint seldom has it,
+    and a file holds none.
+    """
+    rotorless = fit.model.rotorless | set(np.flatnonzero(fit.armature < -_NONE).tolist())
+    pinned = set(fit.model.pinned)
+    for j in range(len(fit.arm.joints)):
+        values = fit.friction(j)
+        least = values["viscous"] - abs(values["viscous_difference"])
+        if least < -_NONE:
+            free = (j, "viscous_difference") not in pinned
+            pinned.add((j, "viscous_difference" if free else "viscous"))
+    return replace(fit.model, rotorless=rotorless, pinned=frozenset(pinned))
+
+
+def is_physical(fit: ArmFit, before: ArmFit | None = None) -> bool:
+    """Whether the friction of every joint can exist.
+
+    Args:
+        fit: With its deviations.
+        before: Of a model with less: viscous friction that was below zero already speaks against no term.
+    """
+    every = range(len(fit.arm.joints))
+    drag = (_is_positive(fit, j, viscous=1.0) or (before and not _is_positive(before, j, viscous=1.0)) for j in every)
+    return all(_can_exist(fit, j) for j in every) and all(drag)
+
+
+def _is_positive(fit: ArmFit, joint: int, **weights: float) -> bool:
+    """Whether a weighted sum of a joint's parameters is not surely below zero; those that it lacks are none."""
     place, names = fit.find_friction(joint)
     values, covariance = fit.x[place], fit.covariance[place, place]
     short = {name.rsplit(".", 1)[0] if "." in name else name: k for k, name in enumerate(names)}
+    direction = np.zeros(len(names))
+    for name, weight in weights.items():
+        at = short.get(name.replace("__", "."))
+        if at is not None:
+            direction[at] = weight
+    value, spread = float(direction @ values), float(np.sqrt(direction @ covariance @ direction))
+    return value >= -_SURE * spread
 
+
+def _can_exist(fit: ArmFit, joint: int) -> bool:
     def is_positive(**weights: float) -> bool:
-        direction = np.zeros(len(names))
-        for name, weight in weights.items():
-            at = short.get(name.replace("__", "."))
-            if at is not None:
-                direction[at] = weight
-        value, spread = float(direction @ values), float(np.sqrt(direction @ covariance @ direction))
-        return value >= -_SURE * spread
+        return _is_positive(fit, joint, **weights)
 
     return (
         is_positive(coulomb=1.0)

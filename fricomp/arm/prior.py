@@ -16,6 +16,9 @@ class ArmPrior:
             20 %. Make it larger where the links' masses are guessed, smaller where they were weighed.
         rotors: Of a rotor's inertia, as part of the joint's own mean inertia: files seldom know it.
         friction: Of each friction torque, as part of the joint's typical torque. Wide, since nobody knows friction.
+        stribeck: Of what a Stribeck curve has above its Coulomb level, as part of that level: gears have up to one.
+        spring: Of a spring's stiffness, as part of the Coulomb level per radian: a cable pulls by about what the joint
+            rubs. Where gravity varies with the joint, a wider one lets a spring be anything that links may weigh.
         load_friction: Of friction per transmitted torque [N·m/N·m]; gears have 0.04 to 0.29 [bittencourt2010].
         delay: Of the time by which all torques are late behind the positions [s].
         gain: Of the factor on all torques, relative to 1, where the recording is found to ask for one. A gain and the
@@ -26,6 +29,8 @@ class ArmPrior:
     links: float = 0.1
     rotors: float = 0.2
     friction: float = 3.0
+    stribeck: float = 0.5
+    spring: float = 1.0
     load_friction: float = 0.3
     delay: float = 0.01
     gain: float = 0.1

@@ -40,6 +40,7 @@ class JointEffect(msgspec.Struct, frozen=True, kw_only=True):
         fall: Part by which the joint's held-out error falls with it.
         equation: Its equation.
         indistinguishable_from: Other names that explain this recording as well.
+        links_instead: Links that would explain it as well without the effect, were they far off the simulation.
     """
 
     name: str
@@ -49,6 +50,7 @@ class JointEffect(msgspec.Struct, frozen=True, kw_only=True):
     fall: float
     equation: str
     indistinguishable_from: tuple[str, ...] = ()
+    links_instead: tuple[str, ...] = ()
 
 
 class PositionErrors(msgspec.Struct, frozen=True, kw_only=True):
@@ -101,6 +103,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         error_model: Of the whole model.
         files: Errors of the written files; None where the recording is too short for them.
         stiffness: Of its gear, where the motor's position was recorded and the gear gives way.
+        possible_spring: Stiffness of a spring that is not named and explains the recording as well as links that weigh
+            what is said of them; None where the recording speaks against one.
     """
 
     name: str
@@ -113,6 +117,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     error_model: float
     files: FileErrors | None = None
     stiffness: Quantity | None = None
+    possible_spring: Quantity | None = None
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -149,6 +154,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         cutoff: Highest frequency that was compared [Hz].
         duration: Time that was used [s].
         left_out: Part of the recording's time that was not used: gaps, and stretches too short between them.
+        summary: The answer in a few sentences: what is wrong, in which joints and links, and what to do.
         held_joints: Joints of the simulation that nothing was recorded of.
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
     """
@@ -162,6 +168,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     cutoff: float
     duration: float
     left_out: float
+    summary: tuple[str, ...] = ()
     held_joints: tuple[str, ...] = ()
     still_joints: tuple[str, ...] = ()
 

@@ -77,4 +77,11 @@ def _find_order(position: FloatArray, left: FloatArray, highest: float) -> float
 
 
 def _measure_power(position: FloatArray, left: FloatArray, orders: FloatArray) -> FloatArray:
-    return np.array([abs(left @ np.exp(-1j * order * position)) for order in orders.tolist()])
+    """At even orders, each wave being the one before it times the same turn of every row."""
+    wave = left * np.exp(-1j * orders[0] * position)
+    turn = np.exp(-1j * (orders[1] - orders[0]) * position) if orders.size > 1 else wave
+    power = np.empty(orders.size)
+    for k in range(orders.size):
+        power[k] = abs(wave.sum())
+        wave *= turn
+    return power

@@ -17,8 +17,8 @@ from scipy.signal import butter, sosfiltfilt
 from fricomp.laws import FloatArray
 
 from .arm_recording import ArmPart, ArmRecording
-from .regressor import compute_regressor
-from .simulated_arm import SimulatedArm
+from .rigid.regressor import compute_regressor
+from .rigid.simulated_arm import SimulatedArm
 
 __all__ = ["ArmRows", "build_rows"]
 
@@ -38,6 +38,12 @@ _NYQUIST_SHARE = 0.4
 _SETTLING = 1.0
 """Left out at both ends of a part, in periods of the cutoff: there a filter that runs both ways has no neighbours."""
 
+_COUNTS = 4.0
+"""Steps of an encoder that a joint must advance in a period of the smoothing's cutoff for its direction to be known."""
+
+_ROUNDING, _CHANCE = 1e-9, 5
+"""Part of the range below which a step is the arithmetic's, and how many smaller ones are no step of the encoder's."""
+
 
 Motion = tuple[FloatArray, FloatArray, FloatArray]
 """Position [rad] or [m], velocity and acceleration of all joints. Shapes (n, n_joints)."""
@@ -56,6 +62,8 @@ class ArmRows:
         torque_rate: Its derivative [N·m/s] or [N/s]. Shape (n, n_joints).
         links: Columns of the links. Shape (n, n_joints, 10 n_links).
         cutoff: Of the comparison [Hz].
+        least_speed: Below which the steps of its encoder leave a joint's direction open [rad/s] or [m/s]. Shape
+            (n_joints,).
     """
 
     time: FloatArray
@@ -66,6 +74,7 @@ class ArmRows:
     torque_rate: FloatArray
     links: FloatArray
     cutoff: float
+    least_speed: FloatArray
     _ways: tuple[_Way, ...]
 
     def __len__(self) -> int:
@@ -152,8 +161,16 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
         torque_rate=rate,
         links=np.concatenate(links),
         cutoff=cutoff,
+        least_speed=_COUNTS * ways[0].smoothing * np.array([_find_step(one.position) for one in recording.recordings]),
         _ways=ways,
     )
+
+
+def _find_step(position: FloatArray) -> float:
+    """Step of an encoder [rad] or [m]; next to none where positions were not rounded."""
+    steps = np.abs(np.diff(position))
+    steps = np.sort(steps[steps > _ROUNDING * max(float(np.ptp(position)), 1e-300)])
+    return float(steps[min(_CHANCE, steps.size - 1)]) if steps.size else 0.0
 
 
 def _compare_torques(ways: Sequence[_Way], recording: ArmRecording, delay: float) -> tuple[FloatArray, FloatArray]:

@@ -39,11 +39,14 @@ def check(
     that nothing above it can be commanded. What the drive latches while its watchdog is tried is cleared. Exit status 1
     if a step fails.
     """
+    from dataclasses import asdict
+
     from rich.text import Text
 
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import TrialSettings, try_drive
+    from fricomp.cli.answer import answer
     from fricomp.cli.terminal import console
     from fricomp.control.loop.interruption import interrupt_on_ending_signals
     from fricomp.errors import ParameterError
@@ -59,14 +62,16 @@ def check(
         if listen_only:
             return False
         question = f"Energise the joints, at most {share:.0%} of their torque limits? They may move."
-        return yes or typer.confirm(question)
+        return yes or typer.confirm(question, err=True)
 
     interrupt_on_ending_signals()
-    failed = False
+    steps = []
     for step in try_drive(tried, settings, may_energise):
-        failed = failed or step.passed is False
+        steps.append(step)
         mark, style = MARKS[step.passed]
         screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
+    failed = any(step.passed is False for step in steps)
+    answer({"passed": not failed, "steps": [asdict(step) for step in steps]})
     if failed:
         raise typer.Exit(1)
 
@@ -83,6 +88,7 @@ def clear(
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import describe_energy
+    from fricomp.cli.answer import answer
     from fricomp.cli.terminal import console
 
     content = read_configuration(configuration)
@@ -96,4 +102,5 @@ def clear(
         energy = describe_energy(names, adapter.read_energised())
     finally:
         adapter.close()
+    answer({"joints": names, "taken_over": adapter.taken_over, "energy": energy})
     console().print(f"No fault is left on {', '.join(names)}; {energy}.")

@@ -75,24 +75,23 @@ def adapters(
 
 
 def _list_adapters() -> None:
-    from rich.table import Table
-
     from fricomp.adapters.registry import REFUSED, adapter_names
-    from fricomp.cli.terminal import console
+    from fricomp.cli.answer import answer
+    from fricomp.cli.terminal import Table, console
 
-    table = Table("backend", "what it drives", "from", "needs the extra", "installed")
+    names = ("backend", "what it drives", "from", "needs the extra", "installed")
+    table = Table(*names)
     for name in adapter_names():
         table.add_row(name, *(_shipped(name) if name in EXTRAS else _plugged_in(name)))
     for name, reason in REFUSED.items():
         table.add_row(name, f"refused: {reason}", "", "", "no")
+    answer({"adapters": [dict(zip(names, row, strict=True)) for row in table.to_builtins()["rows"]]})
     console().print(table)
 
 
 def _scan_all(baudrate: int) -> None:
     """List every place, ask where that disturbs nobody, and list the drives."""
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
 
     places = [*_serial_places(baudrate), *_can_places()]
     table = Table("place", "what it is", "state")
@@ -200,9 +199,7 @@ _ENERGISED = {True: "yes: somebody else holds it", False: "no", None: "does not 
 
 
 def _print_drives(found: Sequence[tuple[str, FoundDrive]]) -> None:
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
 
     if not found:
         console().print("No drive answers.")

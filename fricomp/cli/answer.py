@@ -6,25 +6,21 @@ from typing import Annotated, Any
 
 import typer
 
-__all__ = ["AsJson", "print_json"]
+from fricomp.cli.output import hearing, print_json
+
+__all__ = ["AsJson", "answer", "print_json"]
 
 AsJson = Annotated[
     bool, typer.Option("--json", rich_help_panel="Output", help="Print the answer as JSON, and nothing else on stdout.")
 ]
-"""The option; its default is False."""
+"""The option, for commands that say something else where it is given; every other command has it all the same."""
 
 
-def print_json(answer: Any) -> None:
-    """Print a value as JSON on stdout; a number that is not finite is null, as JSON has none.
+def answer(value: Any) -> None:
+    """Print the answer of a command where `--json` asks for it; in its place, what the command said would be printed.
 
     Args:
-        answer: Mappings, sequences, dataclasses, msgspec structs, numbers, texts, paths.
+        value: As of `print_json`.
     """
-    import msgspec
-
-    print(msgspec.json.format(msgspec.json.encode(answer, enc_hook=_encode)).decode())
-
-
-def _encode(value: Any) -> Any:
-    """Arrays and numbers of numpy as Python's own, anything else as its text."""
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+    if hearing().as_json:
+        print_json(value)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from fricomp.cli.calibration.resume import flags
+from fricomp.cli.option.motion_log import LogFile, claim_log
+from fricomp.cli.option.page import Live, OpenPage
 from fricomp.cli.settings_file import use_settings, write_settings
 from fricomp.errors import ParameterError
 from fricomp.extras import REPORT, require
@@ -15,6 +17,7 @@ from fricomp.extras import REPORT, require
 if TYPE_CHECKING:
     from fricomp.calibration.sweep import CalibrationRequest
     from fricomp.calibration.sweep.weight import HungWeight
+    from fricomp.cli.calibration.start import Shown
 
 app = typer.Typer(add_completion=False)
 
@@ -37,6 +40,8 @@ fricomp calibrate --backend canopen --config joint.toml --dwell 2 --write-settin
 fricomp calibrate --settings sweep.toml --repeats 3 --out runs/elbow
 
 fricomp calibrate --resume --out runs/elbow
+
+fricomp calibrate --backend sim --live --open --log runs/sweep.mcap --out runs/watched
 
 fricomp calibrate --backend sim --model six_joint_arm --excite --dry-run
 
@@ -197,6 +202,9 @@ def calibrate(
     resume: Annotated[
         bool, typer.Option("--resume", rich_help_panel="Run", help="Go on with the run in --out, as it was asked for.")
     ] = False,
+    log: LogFile = None,
+    live: Live = False,
+    open_report: OpenPage = False,
 ) -> None:
     """Sweep a joint, identify its friction, and write model, network and report.
 
@@ -207,12 +215,13 @@ def calibrate(
     from fricomp.api.calibrate import adapter_configuration
     from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings
     from fricomp.calibration.sweep.weight import HungWeight
-    from fricomp.cli.calibration.start import resume_run
+    from fricomp.cli.calibration.start import Shown, resume_run
+    from fricomp.cli.terminal import console
 
     given = _given(context)
     if write is not None:
         write_settings(context, write, overwrite=overwrite)
-        typer.echo(f"Written: {write}. Edit it, and give it as --settings {write}")
+        console().print(f"Written: {write}. Edit it, and give it as --settings {write}", soft_wrap=True)
         return
     _refuse_contradictions(given)
     if not (dry_run or torque_constant or motion or excite):
@@ -234,14 +243,15 @@ def calibrate(
 
         excite_arm(request, duration, seed, out, dry_run=dry_run, overwrite=overwrite)
         return
-    if resume:
-        resume_run(out, request, {name for name in given if name not in ("resume", "out")})
-        return
     hung = HungWeight(weight, lever) if torque_constant else None
-    if dry_run:
-        _print_plan(request, hung)
-    else:
-        _move(request, hung, out, overwrite=overwrite)
+    shown = Shown(live, open_report, log)
+    with claim_log(log, overwrite=overwrite):
+        if resume:
+            resume_run(out, request, set(given) - {"resume", "out", "live", "open_report", "log"}, shown)
+        elif dry_run:
+            _print_plan(request, hung)
+        else:
+            _move(request, hung, out, shown, overwrite=overwrite)
 
 
 def _print_plan(request: CalibrationRequest, hung: HungWeight | None) -> None:
@@ -256,7 +266,7 @@ def _print_plan(request: CalibrationRequest, hung: HungWeight | None) -> None:
         print_sweep_plan(request)
 
 
-def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, overwrite: bool) -> None:
+def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, shown: Shown, *, overwrite: bool) -> None:
     """From here on the joint moves."""
     from fricomp.cli.calibration.start import record_file, start_run
     from fricomp.cli.calibration.torque_constant import measure_torque_constant
@@ -264,9 +274,9 @@ def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, ov
     if hung is not None:
         measure_torque_constant(request, hung, out, overwrite=overwrite)
     elif request.motion:
-        record_file(request, out, overwrite=overwrite)
+        record_file(request, out, shown, overwrite=overwrite)
     else:
-        start_run(request, out, overwrite=overwrite)
+        start_run(request, out, shown, overwrite=overwrite)
 
 
 _GIVEN = ("COMMANDLINE", "DEFAULT_MAP")
@@ -287,7 +297,12 @@ def _refuse_contradictions(given: dict[str, Any]) -> None:
     weights = [name for name in ("weight", "lever") if given.get(name)]
     if given.get("torque_constant") and "motion" in given:
         raise ParameterError("--torque-constant has a motion of its own: leave out --motion")
-    others = [name for name in ("motion", "torque_constant", "resume", "joint", "adaptive") if given.get(name)]
+    if given.get("log") and (given.get("torque_constant") or given.get("motion")):
+        raise ParameterError("--log is of sweeps, whose model it shows: leave it out, or leave out the other motion")
+    if given.get("torque_constant") and given.get("live"):
+        raise ParameterError("--live shows sweeps and motions: leave it out with --torque-constant")
+    alone = ("motion", "torque_constant", "resume", "joint", "adaptive", "live", "log")
+    others = [name for name in alone if given.get(name)]
     if given.get("excite") and others:
         raise ParameterError(
             f"{flags(others)} has no use with --excite, which records all joints on a motion of its own"

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fricomp.cli.answer import AsJson, print_json
+from fricomp.cli.answer import answer as answer_json
 from fricomp.cli.out_folder import Overwrite
+
+if TYPE_CHECKING:
+    from fricomp.results import Results
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -56,6 +62,7 @@ def make(
         return
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
+    from fricomp.results import CASE
     from fricomp.sim_bench.cases import CaseSpec, derive_case_id, generate, write_answer, write_case
 
     spec = CaseSpec(
@@ -74,11 +81,11 @@ def make(
     )
     if form is not None and not effect:
         raise DiagnosisError("--form is one of an effect: give --effect too")
-    answers = _make_folders(out)
-    _require_free_case(out, answers, derive_case_id(spec), overwrite=overwrite)
-    case = generate(spec)
-    folder = write_case(case, out)
-    answer, digest = write_answer(case, answers)
+    with _claim_case(out, CASE, derive_case_id(spec), overwrite=overwrite) as answers:
+        case = generate(spec)
+        folder = write_case(case, out)
+        answer, digest = write_answer(case, answers)
+    answer_json({"case": folder, "answer": answer, "sha256": digest, "enr": case.enr, "rows": case.left.size})
     show = console()
     show.print(f"{folder}: effect-to-noise ratio {case.enr:.3g} over {case.left.size} rows", soft_wrap=True)
     show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
@@ -99,6 +106,7 @@ def _make_arm(out: Path, effects: list[str] | None, seed: int, duration: float, 
     from dataclasses import replace
 
     from fricomp.cli.terminal import console
+    from fricomp.results import ARM_CASE
     from fricomp.sim_bench.cases.arm import (
         arm_id,
         draw_spec,
@@ -111,11 +119,11 @@ def _make_arm(out: Path, effects: list[str] | None, seed: int, duration: float, 
     spec = draw_spec(seed, duration)
     if effects:
         spec = replace(spec, effects=tuple(map(parse_effect, effects)))
-    answers = _make_folders(out)
-    _require_free_case(out, answers, arm_id(spec), overwrite=overwrite)
-    case = generate_arm(spec)
-    folder = write_arm_case(case, out)
-    answer, digest = write_arm_answer(case, answers)
+    with _claim_case(out, ARM_CASE, arm_id(spec), overwrite=overwrite) as answers:
+        case = generate_arm(spec)
+        folder = write_arm_case(case, out)
+        answer, digest = write_arm_answer(case, answers)
+    answer_json({"case": folder, "answer": answer, "sha256": digest})
     show = console()
     show.print(f"{folder}: six joints, {duration:g} s at {1.0 / (case.time[1] - case.time[0]):.0f} Hz", soft_wrap=True)
     show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
@@ -137,60 +145,50 @@ def inject(
     import json
 
     from fricomp.cli.terminal import console
+    from fricomp.results import INJECTED_CASE
     from fricomp.sim_bench.studies.real import InjectedSpec
     from fricomp.sim_bench.studies.real import inject as inject_effect
     from fricomp.whole_file import write_whole
 
     spec = InjectedSpec(source, effect, strength if effect else "", seed)
-    answers = _make_folders(out)
-    _require_free_case(out, answers, spec.name, overwrite=overwrite)
-    made = inject_effect(spec)
-    folder = out / spec.name
-    for name, content in made.files.items():
-        write_whole(folder / name, content)
-    write_whole(answers / f"{spec.name}.json", made.answer)
+    with _claim_case(out, INJECTED_CASE, spec.name, overwrite=overwrite) as answers:
+        made = inject_effect(spec)
+        folder = out / spec.name
+        for name, content in made.files.items():
+            write_whole(folder / name, content)
+        write_whole(answers / f"{spec.name}.json", made.answer)
+    answer_json({"case": folder, "answer": answers / f"{spec.name}.json", "enr": json.loads(made.answer)["enr"]})
     show = console()
     show.print(f"{folder}: strength {json.loads(made.answer)['enr']:.3g}", soft_wrap=True)
     show.print(f"answer {answers / spec.name}.json", soft_wrap=True)
     show.print(f"try: fricomp diagnose {folder} --out {out / 'diagnosis'}", soft_wrap=True)
 
 
-def _make_folders(out: Path) -> Path:
-    """Make the folder of the cases and, beside it, that of the answers, which is returned.
+@contextmanager
+def _claim_case(out: Path, kind: Results, name: str, *, overwrite: bool) -> Iterator[Path]:
+    """Keep a case and its answer to this process while they are made; gives the folder of the answers, beside `out`.
 
     Raises:
-        DiagnosisError: It has no name that the other could take.
+        DiagnosisError: `out` has no name that the other folder could take.
+        OutputError: They are there, and are not to be replaced, or another process makes them.
     """
-    from fricomp.cli.out_folder import make_folder
     from fricomp.errors import DiagnosisError
+    from fricomp.results import claim_folder, claim_single_files
 
     if out.name in ("", ".."):
         raise DiagnosisError(f"--out {out} has no name: the answers go into NAME.answers beside it; give it a folder")
     answers = out.with_name(out.name + ".answers")
-    for place in (out, answers):
-        make_folder(place)
-    return answers
-
-
-def _require_free_case(out: Path, answers: Path, name: str, *, overwrite: bool) -> None:
-    """Refuse to replace a case of this name, or its answer.
-
-    Raises:
-        OutputError: It is there, and is not to be replaced.
-    """
-    from fricomp.results import CASE, require_free, require_free_file
-
-    require_free(out / name, CASE, overwrite=overwrite)
-    for ending in ("json", "parquet"):
-        require_free_file(answers / f"{name}.{ending}", overwrite=overwrite)
+    with claim_folder(out / name, kind, overwrite=overwrite) as claim:
+        files = [answers / f"{name}.{ending}" for ending in ("json", "parquet")]
+        with claim_single_files(files, overwrite=overwrite or claim.is_repeated):
+            claim.clear()
+            yield answers
 
 
 @app.command("list", epilog="fricomp cases list")
 def list_names(as_json: AsJson = False) -> None:
     """List effects with their forms, motions, noises, cores, strengths and faults."""
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
     from fricomp.sim_bench.cases import CHOICES, EFFECTS
 
     if as_json:

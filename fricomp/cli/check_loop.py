@@ -66,10 +66,8 @@ def check_loop(
     from fricomp.control.compensation.choice import choose_settings
     from fricomp.errors import ParameterError
     from fricomp.model import load_model
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_single_files
 
-    if out is not None:
-        require_free_file(out / "gain-scan.png", overwrite=overwrite)
     if bandwidth is not None and (stiffness is not None or damping is not None):
         raise ParameterError("give either --bandwidth, or --stiffness and --damping")
     if bandwidth is not None:
@@ -82,19 +80,21 @@ def check_loop(
     settings = choose_settings(friction, loop=loop, velocity_quantum=quantum, **given)
     limits = {"torque": torque_limit, "torque_rate": torque_rate}
     drive = DriveLimits(**{name: value for name, value in limits.items() if value is not None})
-    result = check(friction, loop, settings, period=period, velocity_quantum=quantum, drive=drive)
-    fastest = settings.velocity_range[1] if velocity_limit is None else velocity_limit
-    travels = list(_travels(loop, drive, fastest, period, friction.position_unit))
-    if as_json:
-        print_json(_as_answer(result, friction, travels))
-    else:
-        _print_check(result, friction, travels)
-    if out is not None:
-        from fricomp.control.loop.loop_charts import gain_scan_chart
-        from fricomp.report import draw_png
+    charts = [] if out is None else [out / "gain-scan.png"]
+    with claim_single_files(charts, overwrite=overwrite):
+        result = check(friction, loop, settings, period=period, velocity_quantum=quantum, drive=drive)
+        fastest = settings.velocity_range[1] if velocity_limit is None else velocity_limit
+        travels = list(_travels(loop, drive, fastest, period, friction.position_unit))
+        if as_json:
+            print_json(_as_answer(result, friction, travels))
+        else:
+            _print_check(result, friction, travels)
+        for chart in charts:
+            from fricomp.control.loop.loop_charts import gain_scan_chart
+            from fricomp.report import draw_png
 
-        chart = draw_png(gain_scan_chart(result, f"joint {friction.joint}"), out / "gain-scan.png")
-        console(stderr=as_json).print(f"Chart in {chart}")
+            draw_png(gain_scan_chart(result, f"joint {friction.joint}"), chart)
+            console(stderr=as_json).print(f"Chart in {chart}")
     if not result.is_safe:
         raise typer.Exit(1)
 
@@ -115,9 +115,7 @@ def _as_answer(result: LoopCheck, friction: FrictionModel, travels: list[tuple[s
 
 
 def _print_check(result: LoopCheck, friction: FrictionModel, travels: list[tuple[str, str]]) -> None:
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
 
     settings = result.settings
     unit = f"{friction.position_unit}/s"

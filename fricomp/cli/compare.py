@@ -50,9 +50,7 @@ def compare(
 
 
 def _print_comparison(result: ModelComparison, after: FrictionModel, significance: float, doubts: list[str]) -> None:
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
 
     table = Table()
     for heading in ("parameter", "old", "new", "change", "± sd", "p", "unit"):

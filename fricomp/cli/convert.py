@@ -7,16 +7,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.out_folder import Overwrite
 from fricomp.errors import RecordingError
 
 if TYPE_CHECKING:
     from fricomp.recording import Finding, Mapping, NamedRecording, Recording
+    from fricomp.recording.inspection.inspection import Inspection
     from fricomp.recording.mapping import FileRule, JointRule
 
 __all__ = ["app", "convert"]
 
 app = typer.Typer(add_completion=False)
+
+EXIT_SOME_REFUSED = 1
+"""Exit status where some recordings were written, and the checks refuse others."""
 
 _EPILOG = """
 fricomp convert log.csv --inspect
@@ -24,6 +29,8 @@ fricomp convert log.csv --inspect
 fricomp convert log.csv --inspect --out log.toml
 
 fricomp convert DATA_EMPS.mat --mapping emps --out train.csv
+
+fricomp convert log.csv --joint elbow --from 12 --to 60 --out elbow.csv
 
 fricomp convert log.mcap --mapping my_robot.toml --rate 500 --out elbow.parquet
 
@@ -43,7 +50,9 @@ def convert(
         str,
         typer.Option(help="TOML file, or the name of a mapping in the package; without it names of columns decide."),
     ] = "",
-    only: Annotated[list[str] | None, typer.Option(help="Joint or recording to take; repeat for more.")] = None,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", "--joint", help="Joint or recording to take; repeat for more.")
+    ] = None,
     rate: Annotated[float | None, typer.Option(help="Resample to this rate \\[Hz].")] = None,
     skip_bad_rows: Annotated[bool, typer.Option(help="Leave out rows without a number or a later time.")] = False,
     row_rate: Annotated[
@@ -57,13 +66,22 @@ def convert(
         bool,
         typer.Option("--inspect", help="Say what each column is taken for and why; --out FILE.toml writes a mapping."),
     ] = False,
+    channel: Annotated[
+        list[str] | None, typer.Option(help="CHANNEL=COLUMN, where several could be one: torque=tau_measured.")
+    ] = None,
+    start: From = None,
+    stop: To = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Bring recordings of other formats into the native one, and check them."""
+    from dataclasses import replace
+
+    from fricomp.cli.answer import answer
     from fricomp.recording import raise_errors, write_recording
+    from fricomp.results import claim_single_files
 
     if inspect:
-        _inspect(source, out, overwrite=overwrite)
+        _inspect(source, out, _columns_of(channel or [], mapping), overwrite=overwrite)
         return
     if out is None:
         raise RecordingError("say where with --out FILE.csv, or look at the log with --inspect")
@@ -71,18 +89,28 @@ def convert(
         raise RecordingError(f"--rate is {rate:g}: give samples a second above 0 [Hz], or leave it out")
     if row_rate is not None and not 0.0 < row_rate < float("inf"):
         raise RecordingError(f"--row-rate is {row_rate:g}: give rows a second above 0 [Hz], or leave it out")
-    read = _read(source, mapping, rate, row_rate, skip_bad_rows=skip_bad_rows)
-    found = _select(read, only or [])
+    asked = _columns_of(channel or [], mapping)
+    read = _read(source, mapping, rate, row_rate, asked, skip_bad_rows=skip_bad_rows)
+    cut = Cut(start, stop)
+    found = [replace(one, recording=cut.apply(one.recording)) for one in _select(read, only or [])]
     found = [part for named in found for part in _split(named)] if split else [_with_note(named) for named in found]
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
-    _refuse_overwriting([targets[named.name] for named in found], source, mapping, overwrite=overwrite)
-    findings = {named.name: _add(named.findings, _check(named.recording)) for named in found}
-    if not force:
-        for name, noticed in findings.items():
-            raise_errors(noticed, f"{source}, {name}")
-    for named in found:
-        write_recording(named.recording, targets[named.name])
+    places = [targets[named.name] for named in found]
+    _require_different(places)
+    with claim_single_files(places, overwrite=overwrite, inputs=(source, Path(mapping))):
+        findings = {named.name: _add(named.findings, _check(named.recording)) for named in found}
+        refused = [] if force else [one for one in found if any(f.severity == "error" for f in findings[one.name])]
+        if len(refused) == len(found):
+            raise_errors(findings[refused[0].name], f"{source}, {refused[0].name}")
+        found = [one for one in found if not any(one is other for other in refused)]
+        for named in found:
+            write_recording(named.recording, targets[named.name])
+    written = [_describe(named, findings[named.name], targets[named.name]) for named in found]
+    answer(written + [_describe(named, findings[named.name], None) for named in refused])
     _show(found, findings, targets)
+    _show_refused(refused, findings)
+    if refused:
+        raise typer.Exit(EXIT_SOME_REFUSED)
 
 
 def _split(named: NamedRecording) -> list[NamedRecording]:
@@ -136,7 +164,13 @@ def _with_note(named: NamedRecording) -> NamedRecording:
 
 
 def _read(
-    source: Path, mapping: str, rate: float | None, row_rate: float | None, *, skip_bad_rows: bool
+    source: Path,
+    mapping: str,
+    rate: float | None,
+    row_rate: float | None,
+    channels: dict[str, str],
+    *,
+    skip_bad_rows: bool,
 ) -> list[NamedRecording]:
     from fricomp.recording import Finding, NamedRecording, convert
     from fricomp.recording.file import is_own, read_content
@@ -144,11 +178,11 @@ def _read(
 
     if mapping:
         return list(convert(source, _adjust(mapping, rate, row_rate, skip_bad_rows=skip_bad_rows)))
-    if is_own(source):
+    if is_own(source) and not channels:
         recording, findings = read_content(source, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
         found = [NamedRecording(source.stem, recording, findings)]
     else:
-        log = read_named_log(source, row_rate=row_rate)
+        log = read_named_log(source, channels, row_rate=row_rate)
         told = tuple(Finding("named_columns", "note", note.rstrip("."), "--inspect tells why") for note in log.notes)
         found = [NamedRecording(one.metadata.joint, one, told) for one in log.recordings]
     return found if rate is None else [_resample(named, rate) for named in found]
@@ -163,34 +197,56 @@ def _resample(named: NamedRecording, rate: float) -> NamedRecording:
     return replace(named, recording=recording, findings=named.findings + before)
 
 
-def _inspect(source: Path, out: Path | None, *, overwrite: bool) -> None:
+def _columns_of(channel: list[str], mapping: str) -> dict[str, str]:
+    """Column by channel, as the command line says."""
+    from fricomp.cli.diagnosis.arm import ArmOptions
+
+    if channel and mapping:
+        raise RecordingError("--channel is for logs without --mapping: say it in the mapping")
+    return ArmOptions(channel=channel).channels
+
+
+def _inspect(source: Path, out: Path | None, channels: dict[str, str], *, overwrite: bool) -> None:
     """Say what a log holds, and write the mapping or show it."""
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
     from fricomp.recording.inspection.inspection import inspect_log
-    from fricomp.recording.inspection.mapping_text import render_mapping
-    from fricomp.results import require_free_file
-    from fricomp.whole_file import write_whole
+    from fricomp.results import claim_single_files
 
-    if out is not None:
-        require_free_file(out, overwrite=overwrite, inputs=[source])
-    seen, screen = inspect_log(source), console()
+    with claim_single_files([] if out is None else [out], overwrite=overwrite, inputs=[source]):
+        _show_inspection(inspect_log(source, channels), source, out)
+
+
+def _show_inspection(seen: Inspection, source: Path, out: Path | None) -> None:
+    from fricomp.cli.terminal import Table, console
+    from fricomp.recording.inspection.mapping_text import render_mapping
+
+    screen = console()
     table = Table("column", "numbers", "from", "to", "taken for", "why", box=None, pad_edge=False)
     for column in seen.columns:
         edges = (f"{column.lowest:.4g}", f"{column.highest:.4g}")
         table.add_row(column.name, str(column.rows), *edges, column.taken_for or "–", column.why)
     screen.print(table)
     if seen.log is None:
-        raise RecordingError(seen.refusal)
+        screen.print(f"\n{seen.refusal}", soft_wrap=True, markup=False)
+        _show_mapping(source, seen.guess, out, "As a mapping, by what the numbers do")
+        return
+    for note in seen.log.notes[:-1]:  # the last one says what the table says
+        screen.print(f"\n{note}", soft_wrap=True, markup=False)
     for one in seen.log.recordings:
         rate = 1.0 / one.sample_period
         screen.print(f"\n{one.metadata.joint}: {len(one)} samples, {one.duration:.4g} s at {rate:.5g} Hz", style="bold")
         for finding in seen.findings[one.metadata.joint]:
             screen.print(f"  {finding.severity}: {finding}", soft_wrap=True)
-    text = render_mapping(source, seen.log)
+    _show_mapping(source, render_mapping(source, seen.log), out, "As a mapping")
+
+
+def _show_mapping(source: Path, text: str, out: Path | None, what: str) -> None:
+    """Write a mapping to edit, or show it."""
+    from fricomp.cli.terminal import console
+    from fricomp.whole_file import write_whole
+
+    screen = console()
     if out is None:
-        screen.print(f"\nAs a mapping (--out FILE.toml writes it):\n\n{text}", soft_wrap=True)
+        screen.print(f"\n{what} (--out FILE.toml writes it):\n\n{text}", soft_wrap=True, markup=False)
     else:
         write_whole(out, text, RecordingError)
         screen.print(
@@ -241,13 +297,10 @@ def _select(found: list[NamedRecording], only: list[str]) -> list[NamedRecording
     return [named for named, known in zip(found, names, strict=True) if known & set(only)]
 
 
-def _refuse_overwriting(targets: list[Path], source: Path, mapping: str, *, overwrite: bool) -> None:
-    """Refuse to write over what was read or is there, or one recording over another."""
-    from fricomp.results import require_free_file
-
+def _require_different(targets: list[Path]) -> None:
+    """Refuse to write one recording over another."""
     places = [target.resolve() for target in targets]
     for target, place in zip(targets, places, strict=True):
-        require_free_file(target, overwrite=overwrite, inputs=(source, Path(mapping)))
         if places.count(place) > 1:
             raise RecordingError(
                 f"{places.count(place)} recordings would be {target}: choose one by --only, or give the joints names "
@@ -265,6 +318,31 @@ def _target(out: Path, name: str, *, alone: bool) -> Path:
     from fricomp.results import plain_name
 
     return out if alone else out.with_stem(f"{out.stem}_{plain_name(name)}")
+
+
+def _show_refused(refused: list[NamedRecording], findings: dict[str, tuple[Finding, ...]]) -> None:
+    """Say of the recordings that were not written why."""
+    from fricomp.cli.terminal import console
+
+    for named in refused:
+        fault = next(one for one in findings[named.name] if one.severity == "error")
+        console().print(f"{named.name}: not written: {fault}", style="yellow", soft_wrap=True, markup=False)
+
+
+def _describe(named: NamedRecording, findings: tuple[Finding, ...], target: Path | None) -> dict[str, Any]:
+    """What a program wants of a recording that was written, or refused: then there is no file."""
+    recording = named.recording
+    return {
+        "name": named.name,
+        "joint": recording.metadata.joint,
+        "file": target,
+        "samples": len(recording),
+        "duration": recording.duration,
+        "rate": 1.0 / recording.sample_period,
+        "torque_unit": recording.metadata.torque_unit,
+        "channels": list(recording.channels),
+        "findings": [{"severity": one.severity, "code": one.code, "text": str(one)} for one in findings],
+    }
 
 
 def _show(found: list[NamedRecording], findings: dict[str, tuple[Finding, ...]], targets: dict[str, Path]) -> None:

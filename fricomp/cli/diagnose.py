@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -20,9 +21,12 @@ from fricomp.cli.diagnosis.arm import (
     Payload,
     find_arm_log,
     find_payload,
+    read_joint,
     run_arm,
 )
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
+from fricomp.cli.option.cut import Cut, From, To
+from fricomp.cli.option.page import OpenPage, open_page
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -41,6 +45,8 @@ _EXAMPLES = """[bold]Examples[/bold]
 fricomp diagnose elbow.csv --simulation robot.xml --joint elbow --out runs/why
 
 fricomp diagnose light.csv heavy.csv --out runs/payloads
+
+fricomp diagnose log.parquet --joint elbow --from 12 --to 90 --open --out runs/elbow
 
 fricomp diagnose real.csv --simulated from_my_simulator.csv --out runs/why
 
@@ -135,6 +141,9 @@ def diagnose(
     channel: Channel = None,
     mapping: LogMapping = "",
     payload: Payload = False,
+    start: From = None,
+    stop: To = None,
+    open_report: OpenPage = False,
     seed: Annotated[
         int,
         typer.Option(min=0, rich_help_panel="Diagnosis", help="Of the bands of the report; no answer depends on it."),
@@ -169,7 +178,10 @@ def diagnose(
     }  # fmt: skip
     given = {"friction": friction, "simulated": simulated, "controller": controller}
     fleet = FleetRun(executor, workers, resume, fail_if, as_json)
+    cut = Cut(start, stop)
     if each or any(map(is_joint_table, recordings)):
+        if any(cut.given.values()):
+            raise ParameterError("--from and --to are of one joint or one arm: cut the recordings by fricomp convert")
         if overwrite:
             raise ParameterError("--overwrite is of one joint, and a fleet goes on with --resume: leave it out")
         _diagnose_fleet(recordings, out, options, given, fleet)
@@ -177,19 +189,25 @@ def diagnose(
     _refuse_fleet_options(fleet)
     arm = ArmOptions(match, gain, channel, mapping, as_json)
     log = None if joint is not None else find_arm_log(recordings, simulation, arm)
+    log = None if log is None else cut.apply_to_log(log)
     if log is not None and simulation is not None and len(log.sessions) == 1 and not payload:
         run_arm(log, simulation, out, arm, seed, overwrite=overwrite)
+        open_page(out / "report.html", wanted=open_report)
         return
     with _interruptible(out):
         if log is not None and simulation is not None:
             run = DiagnosisRun(find_payload(log, simulation, out, arm, overwrite=overwrite), (), ())
         else:
             arm.refuse("is of an arm: leave it out, or give the log of all joints and their --simulation")
-            run = run_diagnosis(find_recordings(recordings), out, options, given, overwrite=overwrite)
+            paths = find_recordings(recordings)
+            chosen = channel or mapping or joint or any(cut.given.values())
+            asked = {path: cut.apply(read_joint(path, arm, joint)) for path in paths} if chosen else {}
+            run = run_diagnosis(paths, out, options, given, overwrite=overwrite, asked=asked)
     if as_json:
         _print_record(out)
     else:
         _print_diagnosis(run, out)
+    open_page(out / "report.html", wanted=open_report)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
 
@@ -243,6 +261,7 @@ def run_diagnosis(
     *,
     quiet: bool = False,
     overwrite: bool = False,
+    asked: Mapping[Path, Recording] | None = None,
 ) -> DiagnosisRun:
     """Read, diagnose, and write the folder; what an earlier diagnosis wrote there is removed right before.
 
@@ -253,6 +272,7 @@ def run_diagnosis(
         given: Files by option; None where the option was not used.
         quiet: Show no progress.
         overwrite: Whether an earlier diagnosis in the folder may be replaced.
+        asked: Recordings that were read already, as the command line says of their columns.
 
     Raises:
         DiagnosisError: A recording is too short, or the diagnosis cannot be made.
@@ -274,7 +294,7 @@ def run_diagnosis(
     with claimed as claim, progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
         simulated = [given["simulated"]] if given["simulated"] is not None else []
-        read = {path: read_long_recording(path) for path in (*paths, *simulated)}
+        read = {path: read_long_recording((asked or {}).get(path, path)) for path in (*paths, *simulated)}
         series = [read[path] for path in paths]
 
         def say(what: str) -> None:
@@ -325,41 +345,33 @@ def _facts(
 
 
 def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
+    """What is wrong, where, and what to do; numbers of what was named; where all the rest is."""
     from fricomp.cli.terminal import console
-    from fricomp.diagnosis.report import (
-        build_change_table,
-        build_effect_table,
-        build_error_table,
-        build_forward_table,
-        build_residual_table,
-        describe_next_step,
-    )
+    from fricomp.diagnosis.report import build_brief_effect_table, build_change_table, describe_next_step
 
     show, record = console(), run.diagnosis.record
     for warning in run.warnings:
         show.print(warning, style="yellow", markup=False)
-    for number, sentence in enumerate(record.sentences):
+    for number, sentence in enumerate(record.summary):
         style = "bold" if number == 0 else "yellow" if "Careful: " in sentence else None
         show.print(sentence, style=style, markup=False)
     step = describe_next_step(record, out)
     if step is not None:
         show.print(step, markup=False, soft_wrap=True)
-    tables = (build_effect_table, build_change_table, build_error_table, build_residual_table, build_forward_table)
-    for build in tables:
-        table = build(record)
-        if table is not None:
-            show.print()
-            show.print(rich_table(table))
-    for note in run.notes:
-        show.print(note, markup=False)
+    table = build_brief_effect_table(record) or build_change_table(record)
+    if table is not None:
+        show.print(rich_table(replace(table, caption="")))
     files = ", ".join(sorted(path.name for path in run.files if path.suffix != ".png"))
-    show.print(f"\nVerdict: {record.verdict}. In {out}: {files}", soft_wrap=True, markup=False)
+    where = f"Verdict: {record.verdict}. All figures, pictures and remarks: report.html. In {out}: {files}"
+    show.print(where, soft_wrap=True, markup=False)
 
 
 def _print_record(out: Path) -> None:
     """The record as it was written, which --schema describes."""
     from fricomp.cli.diagnosis.folder import RECORD
+    from fricomp.cli.output import hearing
 
+    hearing().answered = True
     print((out / RECORD).read_text(encoding="utf-8"), end="")
 
 

@@ -48,12 +48,11 @@ def evaluate(
         float | None,
         typer.Option(help="Upper end of the band of the torque error [Hz]; chosen from the noise without it."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print all figures as JSON.")] = False,
 ) -> None:
     """Measure a model on a recording: torque error in a band, and open-loop position error after 0.1, 0.5 and 2 s."""
-    import json
     from math import inf
 
+    from fricomp.cli.answer import answer
     from fricomp.cli.terminal import console
     from fricomp.evaluation import evaluate as evaluate_model
 
@@ -61,9 +60,6 @@ def evaluate(
         None if start is None and stop is None else [(-inf if start is None else start, inf if stop is None else stop)]
     )
     found = evaluate_model(model, recording, simulation=simulation, joint=joint, spans=spans, band=band)
-    if as_json:
-        print(json.dumps(found.to_json(), indent=2))
-        return
     show, overview = console(), found.overview()
     show.print(overview.title, style="bold", markup=False)
     for sentence in overview.sentences:
@@ -71,10 +67,11 @@ def evaluate(
     for table in overview.tables:
         if table.rows:
             show.print(_build_table(table))
+    answer(found.to_json())
 
 
 def _build_table(table: OverviewTable):  # type: ignore[no-untyped-def]
-    from rich.table import Table
+    from fricomp.cli.terminal import Table
 
     built = Table()
     for head in table.heads:

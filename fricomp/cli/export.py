@@ -66,23 +66,26 @@ def export(
     overwrite: Overwrite = False,
 ) -> None:
     """Write a model in another format, and say what that format cannot hold."""
+    from fricomp.cli.answer import answer
+    from fricomp.cli.output import hearing
     from fricomp.cli.terminal import console
     from fricomp.errors import ExportError
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_single_files
     from fricomp.whole_file import write_whole
 
-    if out is not None:
-        require_free_file(out, overwrite=overwrite, inputs=[*models, *([into] if into is not None else [])])
-    if to is Target.onnx:
-        if out is None:
-            raise ExportError("ONNX is binary: say where with --out")
-        note = _export_onnx(models, out, any_status)
-    else:
-        text, note = _render_text(models, (to, way, any_status), (into, joint), (period, prefix))
-        if out is None:
-            print(text, end="")
+    text, inputs = "", [*models, *([into] if into is not None else [])]
+    with claim_single_files([] if out is None else [out], overwrite=overwrite, inputs=inputs):
+        if to is Target.onnx:
+            if out is None:
+                raise ExportError("ONNX is binary: say where with --out")
+            note = _export_onnx(models, out, any_status)
         else:
-            write_whole(out, text, ExportError)
+            text, note = _render_text(models, (to, way, any_status), (into, joint), (period, prefix))
+            if out is not None:
+                write_whole(out, text, ExportError)
+            elif not hearing().as_json:
+                print(text, end="")
+    answer({"format": to.value, "file": out, "text": text if out is None else None, "fidelity": note})
     console(stderr=True).print(note if out is None else f"{out}: {note}", soft_wrap=True)
 
 

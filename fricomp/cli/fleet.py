@@ -111,7 +111,7 @@ def show_fleet(
 
 def rich_table(table: Table) -> Any:
     """A table of a report for the terminal."""
-    from rich.table import Table as RichTable
+    from fricomp.cli.terminal import Table as RichTable
 
     shown = RichTable(title=table.caption or None, title_justify="left", box=None, pad_edge=False)
     for column in table.columns:

@@ -10,19 +10,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from fricomp.cli.answer import AsJson, print_json
-from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, run_arm
+from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, read_joint, run_arm
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
+from fricomp.cli.option.cut import Cut, From, To
+from fricomp.cli.option.page import OpenPage, open_page
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from fricomp.api.identification import Identification
     from fricomp.api.identify import IdentifySettings
     from fricomp.arm.log import ArmLog
     from fricomp.calibration.identification import DiscrepancyNetwork
+    from fricomp.cli.terminal import Table
     from fricomp.fleet import FleetJoint, FleetRow
+    from fricomp.recording import Recording
 
 __all__ = ["app", "identify"]
 
@@ -40,6 +42,7 @@ EXIT_NOT_USABLE = 1
     "fricomp identify points.csv --depart --out runs/joint_1\n\n"
     "fricomp identify 'fleet/*.csv' --resume --out runs/fleet\n\n"
     "fricomp identify 'fleet/*.csv' --batch --out runs/fleet\n\n"
+    "fricomp identify arm_log.csv --joint elbow --from 12 --to 60 --open --out runs/elbow\n\n"
     "Exit status of one file: 0 where the model is usable (converged, or with care lack_of_fit and "
     "wrong_basin_suspected) or a network departs, 1 where the files are written and the model is not usable (such as "
     "not_identifiable), 2 where nothing could be done. A fleet says it in its table and "
@@ -71,9 +74,12 @@ def identify(
         str,
         typer.Option(
             rich_help_panel="Friction",
-            help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto.",
+            help="stribeck, free_stribeck (its exponent too), symmetric_stribeck, coulomb, coulomb_viscous, tanh or "
+            "arctan; for tables also auto. As it is, stribeck; of a table that asks for another exponent "
+            "free_stribeck, of a recording without such an effect coulomb_viscous.",
+            show_default=False,
         ),
-    ] = "stribeck",
+    ] = "",
     gravity: Annotated[
         bool,
         typer.Option(
@@ -105,6 +111,12 @@ def identify(
     gain: Gain = None,
     channel: Channel = None,
     mapping: LogMapping = "",
+    joint: Annotated[
+        str | None, typer.Option(rich_help_panel="Of a log", help="Joint to take from a log of several.")
+    ] = None,
+    start: From = None,
+    stop: To = None,
+    open_report: OpenPage = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first; with an arm, all joints together."""
     from fricomp.api.identification import write_identification
@@ -113,16 +125,27 @@ def identify(
     from fricomp.results import IDENTIFICATION, claim_folder
 
     require(*REPORT, "onnx")
-    _refuse_unknown(law)
+    _refuse_unknown(law or "stribeck")
     require_folder(out)
     arm = ArmOptions(match, gain, channel, mapping, as_json)
+    cut = Cut(start, stop)
     if simulation is not None:
-        run_arm(_require_arm(files, simulation, arm), simulation, out, arm, seed, overwrite=overwrite)
+        _refuse(
+            {"--joint": joint is not None}, "is of one joint; with --simulation all joints of an arm are identified"
+        )
+        log = cut.apply_to_log(_require_arm(files, simulation, arm))
+        run_arm(log, simulation, out, arm, seed, overwrite=overwrite)
+        open_page(out / "report.html", wanted=open_report)
         return
     arm.refuse("is of an arm: give its --simulation too, or leave it out")
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
     fleet = FleetRun(executor, workers, resume, fail_if, as_json)
     several = batch or _is_fleet(files)
+    _refuse({"--channel": bool(channel) and several, "--mapping": bool(mapping) and several}, "is of one file")
+    _refuse(
+        {name: given and several for name, given in (cut.given | {"--joint": joint is not None}).items()},
+        "is of one file",
+    )
     _refuse({"--overwrite": overwrite and several}, "is of one file, and a fleet goes on with --resume")
     if batch:
         _refuse(replace(fleet, resume=False, fail_if=None).given, "has no use with --batch")
@@ -135,15 +158,31 @@ def identify(
         _refuse(fleet.given, "is of fleets; this is one file")
         file = Path(files[0])
         with claim_folder(out, IDENTIFICATION, overwrite=overwrite, inputs=(file,)) as claim:
-            found = identify_source(file, settings, flag="--")
+            source = _read(file, arm, joint, cut) if channel or mapping or joint or any(cut.given.values()) else file
+            found = identify_source(source, settings, flag="--")
             claim.clear()
             written = write_identification(found, out)
         if as_json:
             print_json(_as_answer(found, written))
         else:
             _print(found, written)
+        open_page(out / "report.html", wanted=open_report)
         if not found.is_usable:
             raise typer.Exit(EXIT_NOT_USABLE)
+
+
+def _read(file: Path, arm: ArmOptions, joint: str | None, cut: Cut) -> Recording:
+    """The part of a recording that is meant.
+
+    Raises:
+        IdentificationError: It is a table, which has no time.
+        RecordingError: It cannot be read, or nothing is left of it.
+    """
+    from fricomp.calibration.table import is_friction_table
+
+    if is_friction_table(file):
+        _refuse(cut.given | {"--joint": joint is not None}, f"is of recordings, and {file.name} is a table of friction")
+    return cut.apply(read_joint(file, arm, joint))
 
 
 def _require_arm(files: Sequence[str], simulation: Path, options: ArmOptions) -> ArmLog:
@@ -205,7 +244,7 @@ def _identify_batch(files: Sequence[str], out: Path, settings: IdentifySettings,
     from fricomp.fleet import FleetJoint, list_joints
     from fricomp.fleet.identification import identify_tables
 
-    if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
+    if settings.law not in ("", "stribeck") or (settings.loss, settings.depart) != ("gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
     others = {"--method": settings.method != "pinn", "--gravity": settings.gravity, "--seed": settings.seed != 0}
     _refuse(others, "has no use with --batch, which fits tables by least squares")
@@ -250,7 +289,11 @@ def _as_answer(found: Identification, written: Sequence[Path]) -> dict[str, Any]
     """What a program wants of an identification; units stand in the model, which is among the files."""
     result = found.result
     parameters = {
-        name: {"value": value, "standard_deviation": result.standard_deviations[name]}
+        name: {
+            "value": value,
+            "standard_deviation": result.standard_deviations[name],
+            "at_bound": name in result.at_bound,
+        }
         for name, value in result.parameters.items()
     }
     return {
@@ -266,21 +309,13 @@ def _as_answer(found: Identification, written: Sequence[Path]) -> dict[str, Any]
 
 
 def _print(found: Identification, written: Sequence[Path]) -> None:
-    """The parameters, how it ended, the files, and what to know."""
-    from fricomp.calibration.identification import Status
-    from fricomp.cli.parameter_table import parameter_table
-    from fricomp.cli.terminal import console, plain
-    from fricomp.control.compensation.trust import find_doubt_in_status
+    """Whether it can be used, the parameters, the files, and what to know."""
+    from fricomp.cli.parameter_table import parameter_table, print_verdict
+    from fricomp.cli.terminal import console
 
     result, screen = found.result, console()
+    print_verdict(screen, result)
     screen.print(parameter_table(result))
-    said = f"{result.status}: {result.message}"
-    if find_doubt_in_status(result.status, "") is not None:
-        screen.print(f"NOT USABLE, {said}", style="bold red", markup=False)
-    elif result.status is Status.CONVERGED:
-        screen.print(said, markup=False)
-    else:
-        screen.print(f"Careful, {said}", style="yellow", markup=False)
     model, network, report, *departed = written
     screen.print(f"Model {model}, network {network}, report {report}")
     if found.network is not None:
@@ -288,14 +323,13 @@ def _print(found: Identification, written: Sequence[Path]) -> None:
     for path in departed:
         screen.print(f"Network that departs {path}")
     for note in found.notes:
-        typer.echo(plain(note))
+        screen.print(note)
 
 
 def _held_out_table(free: DiscrepancyNetwork) -> Table:
     """Closed form, networks held by it less and less, and the one held by the data alone."""
-    from rich.table import Table
-
     from fricomp.calibration.identification.discrepancy import DATA_DRIVEN
+    from fricomp.cli.terminal import Table
 
     names = {float("inf"): "closed form", DATA_DRIVEN: "network, data alone"}
     table = Table("predicted by", "held-out error [noise deviations]", "", box=None, pad_edge=False)

@@ -10,6 +10,8 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from fricomp.cli.output import with_output_options
+
 __all__ = ["LazyGroup", "lazy_app"]
 
 
@@ -44,7 +46,7 @@ class LazyGroup(TyperGroup):
         if name is None or placeholder is None:
             return name, placeholder, rest
         module = import_module(module_name(self.package, name))
-        command = typer.main.get_command(module.app)
+        command = with_output_options(typer.main.get_command(module.app))
         command.name = name
         return name, command, rest
 

@@ -33,6 +33,7 @@ COMMANDS = {
     "diagnose": "Find the physics that a simulation leaves out, in recordings of the real joint.",
     "evaluate": "Measure the torque and position errors of a model over a recording.",
     "compare": "Compare two friction models: what has changed, and whether it matters.",
+    "watch": "Follow joints over many models: trends with intervals, what has changed and when.",
     "run": "Compensate friction on a joint, in real time.",
     "check-loop": "Check a compensator in its loop before it runs on a drive.",
     "export": "Write a model as C, ONNX, MJCF, URDF or JSON.",

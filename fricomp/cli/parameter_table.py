@@ -1,18 +1,31 @@
-"""The parameters that an identification gives, as `calibrate` and `identify` print them."""
+"""The verdict and the parameters that an identification gives, as `calibrate` and `identify` print them."""
 
 from __future__ import annotations
 
 from math import isfinite
 
-from rich.table import Table
+from rich.console import Console
 
-from fricomp.calibration.identification import IdentificationResult
+from fricomp.calibration.identification import IdentificationResult, Status
+from fricomp.cli.terminal import Table
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.overview import format_with_reach
 
-__all__ = ["parameter_table"]
+__all__ = ["parameter_table", "print_verdict"]
 
 _APART = 0.25
 """By how much of its half an interval may differ from that by profile likelihood, and still be called symmetric."""
+
+
+def print_verdict(screen: Console, result: IdentificationResult) -> None:
+    """Whether the model can be used, and why not, in the first line of an answer."""
+    said = f"{result.status}: {result.message}"
+    if find_doubt_in_status(result.status, "") is not None:
+        screen.print(f"NOT USABLE, {said}", style="bold red", markup=False)
+    elif result.status is Status.CONVERGED:
+        screen.print(f"Usable, {said}", markup=False)
+    else:
+        screen.print(f"Careful, {said}", style="yellow", markup=False)
 
 
 def parameter_table(result: IdentificationResult) -> Table:
@@ -34,6 +47,8 @@ def parameter_table(result: IdentificationResult) -> Table:
 def _value(result: IdentificationResult, name: str) -> str:
     value, plain = result.parameters[name], result.interval(name)
     reach = plain.upper - value
+    if name in result.at_bound:
+        return format_with_reach(value, reach, at_bound=True)
     ends = result.profiles.get(name, plain)
     if not isfinite(reach) or max(abs(ends.lower - plain.lower), abs(ends.upper - plain.upper)) < _APART * reach:
         return format_with_reach(value, reach)

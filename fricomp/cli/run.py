@@ -11,13 +11,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.option.motion_log import LogFile
+from fricomp.cli.option.page import Live, OpenPage
 from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
     from fricomp.adapters import AdapterOptions, JointAdapter
-    from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopLog, LoopResult
+    from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopResult
+    from fricomp.control.loop.loop_log import LoopLog
     from fricomp.model import FrictionModel
     from fricomp.recording import RecordingMetadata
+    from fricomp.report import Chart
     from fricomp.results import Claim
 
 __all__ = ["DELAY", "VELOCITY_FILTER", "app"]
@@ -31,7 +35,9 @@ _REST = 0.5  # before the motion, while the enable ramp opens [s]
 
 EPILOG = """fricomp run friction.json --out runs/run
 
-fricomp run friction.json --backend canopen --config joints.toml --inertia 0.12 --amplitude 0.2 --out runs/run"""
+fricomp run friction.json --backend canopen --config joints.toml --inertia 0.12 --amplitude 0.2 --out runs/run
+
+fricomp run friction.json --live --log runs/elbow.mcap --out runs/watched"""
 
 
 @app.command(epilog=EPILOG)
@@ -73,6 +79,9 @@ def run(
         "runs/run"
     ),
     overwrite: Overwrite = False,
+    log: LogFile = None,
+    live: Live = False,
+    open_report: OpenPage = False,
 ) -> None:
     """Follow a sine twice, without and with compensation, and show the difference.
 
@@ -81,8 +90,11 @@ def run(
     """
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import choose_adapter
+    from fricomp.cli.answer import answer
+    from fricomp.cli.option.motion_log import claim_log, log_run
+    from fricomp.cli.option.page import open_page, watching
     from fricomp.cli.terminal import console
-    from fricomp.extras import require
+    from fricomp.extras import REPORT, require
     from fricomp.model import load_model
     from fricomp.results import RUN, claim_folder
 
@@ -91,10 +103,15 @@ def run(
         rate=[rate],
     )  # fmt: skip
     _require_not_negative(delay=delay, velocity_filter=velocity_filter)
-    require("matplotlib")
+    require(*REPORT)
     friction = [load_model(path) for path in models]
     chosen = choose_adapter(backend, config)
-    with claim_folder(out, RUN, overwrite=overwrite, inputs=models) as claim:
+    title = f"Run of {', '.join(model.joint for model in friction)}"
+    with (
+        claim_log(log, overwrite=overwrite),
+        claim_folder(out, RUN, overwrite=overwrite, inputs=models) as claim,
+        watching(title, live=live, opened=open_report) as feed,
+    ):
         results: dict[str, LoopResult] = {}
         for name in ("without", "with"):
             with _kept(claim, name) as record, open_adapter(*chosen) as adapter:
@@ -104,11 +121,17 @@ def run(
                     console().print(compensator.describe())
                 loop = setup.loop((amplitude, frequency, cycles), compensators, priority)
                 record(loop.log, setup.metadata())
+                if feed is not None:
+                    feed.attach(adapter)
+                    feed.show_duration(f"{name} compensation", cycles / frequency + _REST)
                 results[name] = loop.run(cycles / frequency + _REST)
                 results[name].raise_if_tripped()
+        log_run(log, results, friction)
         figures = _write_results(results, friction, out, 1.0 / rate)
     _print(figures, friction, results["with"])
-    console().print(f"Recordings, plots and figures in {out}")
+    answer({"joints": [model.joint for model in friction], "out": out, **figures})
+    console().print(f"Recordings, plots, figures and run.html in {out}")
+    open_page(out / "run.html", wanted=open_report)
 
 
 def _write_results(
@@ -117,17 +140,21 @@ def _write_results(
     """Write plots and figures; gives the figures."""
     import msgspec
 
-    from fricomp.control.loop.loop_charts import run_chart, timing_chart
-    from fricomp.report import draw_png
+    from fricomp.control.loop.loop_charts import build_run_page, run_chart, timing_chart
+    from fricomp.report import draw_png, write_report
     from fricomp.whole_file import write_whole
 
     logs = {f"{name} compensation": result.log for name, result in results.items()}
+    charts: list[Chart] = []
     for joint, model in enumerate(models):
         chart = run_chart(logs, joint, (model.position_unit, model.torque_unit))
+        charts.append(chart)
+    charts.append(timing_chart(results["with"].log, period))
+    for chart in charts:
         draw_png(chart, out / f"{chart.name}.png")
-    draw_png(timing_chart(results["with"].log, period), out / "timing.png")
     figures = {name: _figures(result) for name, result in results.items()}
     write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+    write_report(build_run_page(models, figures, charts, list(results["with"].real_time.refused)), out / "run.html")
     return figures
 
 
@@ -306,9 +333,7 @@ def _figures(result: LoopResult) -> dict[str, Any]:
 
 
 def _print(figures: dict[str, dict[str, Any]], models: list[FrictionModel], result: LoopResult) -> None:
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
 
     table = Table("joint", "RMS error without", "with compensation", "change")
     rows = zip(models, figures["without"]["rms_error"], figures["with"]["rms_error"], strict=True)

@@ -12,12 +12,25 @@ import msgspec
 import typer
 
 from fricomp.errors import ParameterError
-from fricomp.results import require_free_file
+from fricomp.results import claim_single_files
 from fricomp.whole_file import write_whole
 
 __all__ = ["OF_ONE_CALL", "use_settings", "write_settings"]
 
-OF_ONE_CALL = ("out", "dry_run", "overwrite", "resume", "settings", "write", "help")
+OF_ONE_CALL = (
+    "out",
+    "dry_run",
+    "overwrite",
+    "resume",
+    "settings",
+    "write",
+    "help",
+    "json",
+    "quiet",
+    "live",
+    "open_report",
+    "log",
+)
 """Options that say what this call does, not how: they stand on the command line only."""
 
 
@@ -53,8 +66,8 @@ def write_settings(context: typer.Context, file: Path, *, overwrite: bool = Fals
     Raises:
         OutputError: There is one already, or the file cannot be written.
     """
-    require_free_file(file, overwrite=overwrite)
-    write_whole(file, "\n".join(_lines(context)) + "\n")
+    with claim_single_files([file], overwrite=overwrite):
+        write_whole(file, "\n".join(_lines(context)) + "\n")
 
 
 def _options(context: typer.Context) -> list[Any]:

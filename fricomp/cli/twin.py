@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -44,13 +45,14 @@ def twin(
 ) -> None:
     """Serve a drive with a simulated joint behind it in real time, until Ctrl-C."""
     from fricomp.adapters.configuration import read_table
+    from fricomp.cli.answer import answer
     from fricomp.cli.terminal import console
-    from fricomp.results import require_free_file
     from fricomp.sim_bench.twins import TwinServer
     from fricomp.sim_bench.twins.configuration import make_twin
 
-    if write_config is not None and not _is_of_a_twin(write_config):
-        require_free_file(write_config, overwrite=overwrite, inputs=[config] if config is not None else [])
+    if write_config is not None:
+        with _claim_config(write_config, config, overwrite=overwrite):
+            pass  # what could not be written is refused before a drive is served
     table = read_table(config) if config is not None else {}
     given = {name: value for name, value in (("kind", link), ("tcp_port", tcp_port)) if value}
     table["link"] = {**table.get("link", {}), **given}
@@ -59,9 +61,13 @@ def twin(
         names = ", ".join(joint.name for joint in served.stand_in.settings.joints)
         screen.print(f"{protocol} twin of {names}: {_address(protocol, served, table['link'])}", soft_wrap=True)
         if write_config is not None:
-            _write_config(write_config, protocol, served)
+            with _claim_config(write_config, config, overwrite=overwrite):
+                _write_config(write_config, protocol, served)
             screen.print(f"in another terminal: fricomp calibrate --backend {protocol} --config {write_config}")
         screen.print("Ctrl-C ends it.")
+        answer(
+            {"protocol": protocol, "joints": names.split(", "), "address": _address(protocol, served, table["link"])}
+        )
         server.wait()
         if server.error is not None:
             raise server.error
@@ -78,13 +84,26 @@ def _address(protocol: str, served: DriveTwin, link: dict[str, Any]) -> str:
     return f"interface slcan-chunked, channel {address}" if protocol in CAN_PROTOCOLS else f"serial port {address}"
 
 
+def _claim_config(path: Path, read: Path | None, *, overwrite: bool) -> AbstractContextManager[None]:
+    """Keep the files of an adapter's configuration to this process; those of an earlier twin may be replaced."""
+    from fricomp.results import claim_single_files
+
+    inputs = [read] if read is not None else []
+    return claim_single_files([path, _endpoints(path)], overwrite=overwrite or _is_of_a_twin(path), inputs=inputs)
+
+
+def _endpoints(path: Path) -> Path:
+    """Where the endpoints of an ODrive stand beside its configuration."""
+    return path.with_suffix(".endpoints.json")
+
+
 def _write_config(path: Path, protocol: str, served: DriveTwin) -> None:
     import json
 
     from fricomp.sim_bench.twins.adapter_table import adapter_configuration
     from fricomp.whole_file import write_whole
 
-    endpoints = path.with_suffix(".endpoints.json")
+    endpoints = _endpoints(path)
     if protocol == "odrive":
         from fricomp.sim_bench.twins.odrive import flat_endpoints
 

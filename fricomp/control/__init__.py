@@ -13,7 +13,6 @@ from fricomp.control.gate.limits import JointLimits
 from fricomp.control.loop.interruption import interrupt_on_ending_signals
 from fricomp.control.loop.loop import ControlLoop, LoopResult
 from fricomp.control.loop.loop_check import check_loop
-from fricomp.control.loop.loop_log import LoopLog
 from fricomp.control.loop.position_loop import Controller, PositionController, ReferenceState, SineReference
 from fricomp.control.loop.real_time import RealTimeOptions
 from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDynamics
@@ -29,7 +28,6 @@ __all__ = [
     "DriveLimits",
     "JointLimits",
     "LoopDynamics",
-    "LoopLog",
     "LoopResult",
     "NetworkCompensator",
     "OnlineAdaptation",

@@ -2,7 +2,7 @@
 
 One folder is one stage; each takes values, gives a value, and imports only those before it:
 
-    inputs → joint → effects → search → forward, evidence → samples → verdict → record, and `diagnose` runs them
+    inputs → joint → effects → search → forward, evidence → samples, channels → verdict → record; `diagnose` runs them
 
 Fifteen nouns are all that a reader needs:
 

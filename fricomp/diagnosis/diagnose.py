@@ -14,27 +14,31 @@ from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
+from .channels.reading import read_channels, read_held, read_loads
 from .evidence.case import Case
 from .evidence.findings import Findings, collect_findings, prefer_simulation
 from .forward.forward import measure_forward_error
 from .inputs.checks import inertia_against
 from .inputs.controller import Controller
 from .inputs.given import Given, read_given
+from .inputs.late_action import find_late_action
 from .inputs.rigid import RigidJoint
 from .inputs.track import Track
 from .joint.base import unpack
 from .joint.loading import build_tracks, has_low_rate
 from .joint.observer import Observer
 from .joint.weak_form import estimate_rest_speed
+from .low_rate.answer import diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
-from .samples.second_look import look_into_samples
+from .samples.second_look import look_into_samples, remove_ripple
 from .search.late_creep import has_late_creep
 from .search.preparation import Baseline, prepare
 from .search.search import SearchResult, search
 from .verdict.experiment import propose_experiment
-from .verdict.judging import Verdict, describe_repetitions, judge
+from .verdict.judging import Verdict, describe_repetitions, join_channels, judge, judge_beside
+from .verdict.naming import name_late_action
 from .verdict.shared_effect import SimulationEffects
-from .verdict.writing import write_diagnosis, write_refusal
+from .verdict.writing import write_diagnosis, write_read_off, write_refusal
 
 __all__ = ["diagnose", "diagnose_given"]
 
@@ -65,6 +69,11 @@ class StageSettings:
 
 
 SETTINGS = StageSettings()
+
+_SEVERAL_LOADS = (
+    "A simulated joint has one offset and one level of friction, and the measured load changes both: nothing else was "
+    "looked for. For the rest, diagnose recordings of one load."
+)
 
 
 def diagnose(
@@ -149,19 +158,32 @@ def _run_stages(
 ) -> Diagnosis:
     told = () if simulated is None else simulated.remarks
     if given.reasons:
-        return write_refusal(given, given.reasons, told)
+        held = read_held(given.recordings) if len(given.reasons) == len(given.recordings) else ()
+        write = partial(write_read_off, given, held) if held else partial(write_refusal, given)
+        return write(given.reasons, told)
+    loaded = read_loads(given.recordings)
+    if loaded:
+        return write_read_off(given, loaded, (_SEVERAL_LOADS,), (*given.remarks, *told))
+    if is_low_rate(given.recordings):
+        return diagnose_low_rate(given, told, progress)
     try:
         base = _choose_base(given, SETTINGS.draws)
         _report(progress, "fitting the base model and simulating nulls")
-        baseline = base(tell=partial(_report, progress))
+        try:
+            baseline = base(tell=partial(_report, progress))
+        except DiagnosisError as error:
+            shown = read_channels(given.recordings)
+            if not shown:
+                raise
+            return write_read_off(given, shown, (f"No joint model: {error}.",), (*given.remarks, *told))
         reasons = _check_inertia(given, baseline)
         if reasons:
             return write_refusal(given, reasons, told)
-        baseline, found = _search(baseline, base, progress)
-        case = Case(given.recordings, baseline, found, given.rigid, given.friction, SETTINGS.draws, seed)
-        findings, verdict = _judge_case(case, simulated, progress)
+        answer = _answer(given, baseline, base, simulated, seed, progress)
+        findings, verdict = _weigh_late_action(given, answer, simulated, seed, progress)
         others = _repeat_with_other_noise(given, simulated, progress) if thorough else ()
         remarks = (*given.remarks, *describe_repetitions(verdict, others))
+        verdict = join_channels(verdict, read_channels(given.recordings))
         if verdict.sample is not None:
             return write_diagnosis(findings, verdict, remarks=remarks)
         proposal = propose_experiment(findings)
@@ -172,18 +194,68 @@ def _run_stages(
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
 
-def _choose_base(given: Given, draws: int) -> Callable[..., Baseline]:
+def _answer(
+    given: Given,
+    baseline: Baseline,
+    base: Callable[..., Baseline],
+    simulated: SimulationEffects | None,
+    seed: int,
+    progress: Progress | None,
+) -> tuple[Findings, Verdict]:
+    """Search from this base, and judge what is found."""
+    baseline, found = _search(baseline, base, progress)
+    case = Case(given.recordings, baseline, found, given.rigid, given.friction, SETTINGS.draws, seed)
+    return _judge_case(given, case, simulated, progress)
+
+
+def _weigh_late_action(
+    given: Given,
+    answer: tuple[Findings, Verdict],
+    simulated: SimulationEffects | None,
+    seed: int,
+    progress: Progress | None,
+) -> tuple[Findings, Verdict]:
+    """Answer once more with the torque moved to where it may act, where the joint asks for that; keep what leaves less.
+
+    From there the base may move it back, so that a lag which looks like a delay from afar is found as one.
+    """
+    usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
+    acts_late = find_late_action(given.recordings, usual)
+    if acts_late == 0.0:
+        return answer
+    _report(progress, "searching with the torque where it acts")
+    base = _choose_base(given, SETTINGS.draws, acts_late)
+    findings, verdict = _answer(given, base(), base, simulated, seed, progress)
+    if verdict.held.rmse_after > answer[1].held.rmse_after:
+        return answer
+    late = name_late_action(findings)
+    return findings, verdict if late.parameters["delay"].ci95[0] <= usual else join_channels(verdict, [late])
+
+
+def _choose_base(given: Given, draws: int, acts_late: float = 0.0) -> Callable[..., Baseline]:
     """What fits the base to the recordings, with this seed of the nulls' noise."""
-    tracks = _build_tracks(given)
+    tracks = _build_tracks(given, acts_late)
     base = partial(prepare, tracks, observer=_choose_observer(given, tracks), seed=draws, rigid=given.rigid)
     return partial(base, nulls=SETTINGS.nulls)
 
 
-def _judge_case(case: Case, simulated: SimulationEffects | None, progress: Progress | None) -> tuple[Findings, Verdict]:
-    """Collect the evidence, and judge it."""
+def _judge_case(
+    given: Given, case: Case, simulated: SimulationEffects | None, progress: Progress | None
+) -> tuple[Findings, Verdict]:
+    """Collect the evidence, and judge it; once more beside a ripple that only the samples show.
+
+    Such a ripple is louder than the rows tell, and hides from them what else is missing.
+    """
     _report(progress, "confirming on held-out data")
     findings = collect_findings(prefer_simulation(case))
-    return findings, judge(findings, look_into_samples(findings), simulated)
+    verdict = judge(findings, look_into_samples(findings), simulated)
+    if verdict.sample is None or not verdict.sample.waves:
+        return findings, verdict
+    _report(progress, "searching beside the ripple")
+    base = _choose_base(replace(given, recordings=remove_ripple(given.recordings, verdict.sample)), case.seed)
+    baseline, found = _search(base(), base, progress)
+    findings = collect_findings(prefer_simulation(replace(case, baseline=baseline, found=found)))
+    return findings, judge_beside(findings, verdict.sample, simulated)
 
 
 def _repeat_with_other_noise(
@@ -195,7 +267,7 @@ def _repeat_with_other_noise(
         base = _choose_base(given, draws)
         baseline, found = _search(base(), base, progress)
         case = Case(given.recordings, baseline, found, given.rigid, given.friction, draws)
-        verdicts.append(_judge_case(case, simulated, progress)[1])
+        verdicts.append(_judge_case(given, case, simulated, progress)[1])
     return tuple(verdicts)
 
 
@@ -204,10 +276,10 @@ def _report(progress: Progress | None, words: str) -> None:
         progress(words)
 
 
-def _build_tracks(given: Given) -> list[Track]:
+def _build_tracks(given: Given, acts_late: float = 0.0) -> list[Track]:
     """The recordings on one grid, by their names, without the torque of a spring that the simulation has."""
     spring = None if given.rigid is None else given.rigid.spring
-    tracks = build_tracks(given.recordings, given.loops, spring)
+    tracks = build_tracks(given.recordings, given.loops, spring, acts_late)
     return [replace(track, name=name) for track, name in zip(tracks, given.names, strict=True)]
 
 

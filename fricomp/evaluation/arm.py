@@ -20,7 +20,7 @@ from fricomp.recording import Recording
 from .arm_motion import ArmMotion, read_arm_motion
 from .errors import Spans, measure_torque, select_starts, summarise_positions
 from .result import PositionError, TorqueError
-from .settings import EVALUATION
+from .settings import EVALUATION, HORIZONS
 from .simulated_arm import SimulatedArm, read_simulated_arm
 
 __all__ = ["ArmEvaluation", "JointErrors", "evaluate_arm"]
@@ -104,6 +104,7 @@ def evaluate_arm(
     band: float | None = None,
     torque_delay: float = 0.0,
     positions: bool = True,
+    longest: float = HORIZONS[-1],
 ) -> ArmEvaluation:
     """Measure the errors of an arm's files over recordings of all its joints, each figure as `evaluate` has it.
 
@@ -118,6 +119,7 @@ def evaluate_arm(
         band: Upper end of the band of the torque errors [Hz]; chosen if None.
         torque_delay: Time by which all recorded torques are late [s].
         positions: Whether to simulate as well.
+        longest: Of the open-loop simulations [s].
 
     Raises:
         RecordingError: The recordings share too little time, or are not in N·m or N.
@@ -129,7 +131,7 @@ def evaluate_arm(
     names = [(match or {}).get(name, name) for name in motion.names]
     laws = None if friction is None else _read_laws(friction, motion.names)
     arm = read_simulated_arm(simulation, names, laws)
-    return _measure(arm, motion, spans, Path(simulation).name, positions=positions)
+    return _measure(arm, motion, spans, Path(simulation).name, longest if positions else 0.0)
 
 
 def _read_laws(
@@ -142,15 +144,16 @@ def _read_laws(
     return tuple(one if one is None or isinstance(one, FrictionModel) else load_model(one) for one in models)
 
 
-def _measure(arm: SimulatedArm, motion: ArmMotion, spans: Spans | None, name: str, *, positions: bool) -> ArmEvaluation:
+def _measure(arm: SimulatedArm, motion: ArmMotion, spans: Spans | None, name: str, longest: float) -> ArmEvaluation:
     along = [arm.follow(motion, number) for number in range(motion.n_parts)]
     torque = [
         measure_torque(one, [part.torque for part in one.parts], [each.torque[:, j] for each in along], spans)
         for j, one in enumerate(motion.joints)
     ]
     found: list[dict[float, list[tuple[FloatArray, FloatArray]]]] = [{} for _ in motion.joints]
-    starts = select_starts(motion.times, [motion.moves(k) for k in range(motion.n_parts)], spans, EVALUATION.arm_starts)
-    for number in range(motion.n_parts if positions else 0):
+    moves = [motion.moves(k) for k in range(motion.n_parts)]
+    starts = select_starts(motion.times, moves, spans, EVALUATION.arm_starts, longest)
+    for number in range(motion.n_parts):
         horizons, chosen = starts.horizons[number], starts.chosen[number]
         if not horizons or chosen.size == 0:
             continue

@@ -146,7 +146,11 @@ def compare_positions(
 
 
 def select_starts(
-    times: Sequence[FloatArray], moves: Sequence[Rows], spans: Spans | None = None, count: int = EVALUATION.starts
+    times: Sequence[FloatArray],
+    moves: Sequence[Rows],
+    spans: Spans | None = None,
+    count: int = EVALUATION.starts,
+    longest: float = HORIZONS[-1],
 ) -> Starts:
     """Choose starts evenly over the samples in motion that leave room for the longest simulation of their part.
 
@@ -155,8 +159,9 @@ def select_starts(
         moves: Whether the joint moves there.
         spans: Times that a simulation stays within [s]; all if None.
         count: How many at most.
+        longest: Of the simulations [s].
     """
-    horizons = [_list_horizons(time) for time in times]
+    horizons = [[one for one in _list_horizons(time) if one <= longest] for time in times]
     options = []
     for time, moving, each in zip(times, moves, horizons, strict=True):
         dt = time[1] - time[0]

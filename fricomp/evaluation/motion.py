@@ -21,6 +21,7 @@ __all__ = ["MotionPart", "RecordedMotion", "join_motions", "low_pass", "read_mot
 Rows = NDArray[np.bool_]
 
 _GAP = 5.0  # periods; a longer step of time is a gap
+_FEWEST = 50  # samples of a part, which the filters need
 _EVEN = 1e-3  # deviation of stamps from an even grid, in periods, below which the samples are taken as they are
 _CHANNELS = ("load_torque", "normal_load", "temperature")
 _DEGREE, _WINDOW = 3, 0.02  # of the local polynomial that estimates a velocity: its degree, and its length [s]
@@ -124,8 +125,9 @@ def low_pass(values: FloatArray, band: float, dt: float) -> FloatArray:
 def _split_at_gaps(recording: Recording) -> list[Recording]:
     time, period = np.asarray(recording.time), recording.sample_period
     gaps = np.flatnonzero(np.diff(time) > _GAP * period) + 1
-    parts = [recording.rows(slice(a, b)) for a, b in pairwise([0, *gaps.tolist(), len(recording)])]
-    long = [one for one in parts if one.duration >= EVALUATION.shortest_part and len(one) > 50]
+    spans = [(a, b) for a, b in pairwise([0, *gaps.tolist(), len(recording)]) if b - a > _FEWEST]
+    parts = [recording.rows(slice(a, b)) for a, b in spans]
+    long = [one for one in parts if one.duration >= EVALUATION.shortest_part]
     return [one if _is_even(one, period) else resample(one, 1.0 / period) for one in long]
 
 

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
@@ -26,6 +28,7 @@ __all__ = ["Refit", "refit_model", "split_folds"]
 Rows = NDArray[np.bool_]
 
 _BODY = ("inertia", "gravity_cosine", "gravity_sine", "offset")
+_LEVELS = ("coulomb_torque", "static_torque")
 _FIXED = ("load_sensitivity", "reference_load", "reference_temperature", "side", "rest_speed")
 
 
@@ -71,19 +74,62 @@ def refit_model(
     if model.dynamics is None:
         raise ParameterError("a model is refitted with its inertia and gravity: give it its dynamics")
     problem = _Problem(model, tuple(motions), _list_free(model, held))
-    theta, (residual, jacobian) = problem.start, problem.linearise(problem.start)
-    for _ in range(REFIT.steps):
-        step = _solve(jacobian, residual, np.ones(residual.size, dtype=bool))
-        tried = [problem.clip(theta + share * step) for share in REFIT.shares]
-        costs = [float(np.mean(problem.compute_residual(one) ** 2)) for one in tried]
-        best, before = int(np.argmin(costs)), float(np.mean(residual**2))
-        if not costs[best] < (1.0 - REFIT.settled) * before:
-            break
-        theta = tried[best]
-        residual, jacobian = problem.linearise(theta)
-    marked = problem.mark_folds() if fold else []
-    others = [problem.clip(theta + _solve(jacobian, residual, ~rows)) for rows in marked]
-    return Refit(problem.build(theta), tuple(map(problem.build, others)))
+    starts = sorted((_set_levels(problem, theta) for theta in problem.list_starts()), key=lambda one: one.cost)
+    best = min((_descend(problem, one, REFIT.steps) for one in starts[: REFIT.starts]), key=lambda one: one.cost)
+    best = problem.differentiate(best) if fold else best
+    parts = [replace(best, rows=~rows) for rows in problem.mark_folds()] if fold else []
+    others = [_descend(problem, one, REFIT.fold_steps).theta for one in parts]
+    return Refit(problem.build(best.theta), tuple(map(problem.build, others)))
+
+
+@dataclass(frozen=True)
+class _Line:
+    """The residual about some numbers.
+
+    Attributes:
+        theta: The numbers. Shape (p,).
+        residual: There. Shape (m,).
+        rows: That count, shape (m,).
+        jacobian: Derivative by the coordinates: numbers, or their logarithms. Shape (m, p); None before it is needed.
+    """
+
+    theta: FloatArray
+    residual: FloatArray
+    rows: Rows
+    jacobian: FloatArray | None = None
+
+    @property
+    def cost(self) -> float:
+        """Mean square over the rows that count."""
+        return float(np.mean(self.residual[self.rows] ** 2))
+
+
+def _set_levels(problem: _Problem, theta: FloatArray) -> _Line:
+    """The numbers that act in proportion set, with the others as they are: a wave of next to no size says nothing about
+    its order, and a level that is far off bends the speed of its fall."""
+    residual, free = problem.compute_residual(theta), problem.proportional
+    line = problem.differentiate(_Line(theta, residual, np.ones(residual.size, dtype=bool)), free)
+    return replace(_step(problem, line, free), jacobian=None)
+
+
+def _descend(problem: _Problem, line: _Line, steps: int) -> _Line:
+    """The minimum next to where the line starts."""
+    for _ in range(steps):
+        after = _step(problem, problem.differentiate(line))
+        if not after.cost < (1.0 - REFIT.settled) * line.cost:
+            return after
+        line = after
+    return line
+
+
+def _step(problem: _Problem, line: _Line, free: Rows | None = None) -> _Line:
+    """The best part of a step of Gauss and Newton; the line as it was where none is better."""
+    step = problem.solve(line, free)
+    tried = [problem.move(line.theta, share * step) for share in REFIT.shares]
+    left = [problem.compute_residual(one) for one in tried]
+    costs = [float(np.mean(one[line.rows] ** 2)) if one.size == line.rows.size else np.inf for one in left]
+    best = int(np.argmin(costs))
+    return _Line(tried[best], left[best], line.rows) if costs[best] < line.cost else line
 
 
 @dataclass(frozen=True)
@@ -109,13 +155,90 @@ class _Problem:
         body["load_inertia"] = min(self.model.dynamics.load_inertia, body.get("inertia", np.inf))
         return replace(self.model.with_law(law), dynamics=replace(self.model.dynamics, **body))
 
-    def clip(self, theta: FloatArray) -> FloatArray:
-        """The numbers within the domains of the law: what may not be negative is held at next to nothing."""
-        result = theta.copy()
-        for k, name in enumerate(self.names):
-            if result[k] <= 0.0 and not _may_be_negative(self.model, name):
-                result[k] = REFIT.least * abs(self.start[k]) + 1e-12
+    @cached_property
+    def logarithmic(self) -> Rows:
+        """Which numbers may be neither zero nor negative: they move by factors. Shape (p,)."""
+        return np.array([not _may_be(self.model, name, 0.0) for name in self.names])
+
+    @cached_property
+    def proportional(self) -> Rows:
+        """Which numbers act in proportion to their size. Shape (p,)."""
+        waves = np.array([name.rsplit(".", 1)[-1] == "order" for name in self.names])
+        result: Rows = ~self.logarithmic & ~waves
         return result
+
+    @cached_property
+    def energy(self) -> float:
+        """Sum of the squares of the recorded torque in the band, at the samples that count."""
+        kept = []
+        for motion in self.motions:
+            stride = _choose_stride(motion)
+            for part in motion.parts:
+                torque = low_pass(align_torque(part, 0.0), motion.band, part.dt)
+                kept.append(torque[::stride][part.moves[::stride]])
+        joined = np.concatenate(kept)
+        return float(joined @ joined)
+
+    @cached_property
+    def lowest(self) -> FloatArray:
+        """Where the domain of each number ends: next to nothing, since bristles divide by the level. Shape (p,)."""
+        free = np.array([_may_be(self.model, name, -1e-9) for name in self.names])
+        return np.where(free, -np.inf, REFIT.least * (np.abs(self.start) + 1e-6))
+
+    @cached_property
+    def highest(self) -> FloatArray:
+        """The other end in a fit to a part: no friction level grows above every torque that was recorded. Shape
+        (p,)."""
+        largest = max(float(np.abs(part.torque).max()) for one in self.motions for part in one.parts)
+        levels = np.array([name.endswith(_LEVELS) for name in self.names])
+        return np.where(levels, largest, np.inf)
+
+    def list_starts(self) -> list[FloatArray]:
+        """The numbers of the model, and the same with friction that falls over other parts of the top speed: a fall
+        that lies outside the motion has no slope that leads back to it."""
+        falls = np.array([name.endswith("stribeck_velocity") for name in self.names])
+        tops = [np.quantile(np.abs(part.smooth_velocity), REFIT.top) for one in self.motions for part in one.parts]
+        shares = REFIT.falls if falls.any() else ()
+        return [self.start, *(np.where(falls, share * float(np.max(tops)), self.start) for share in shares)]
+
+    def move(self, theta: FloatArray, step: FloatArray) -> FloatArray:
+        """The numbers after a step in the coordinates, within their domains."""
+        moved = np.where(self.logarithmic, theta * np.exp(np.where(self.logarithmic, step, 0.0)), theta + step)
+        return np.maximum(moved, np.minimum(self.lowest, theta))
+
+    def solve(self, line: _Line, free: Rows | None = None) -> FloatArray:
+        """The step within the domains that lowers the residual most; what its rows do not show stays. Shape (p,).
+
+        In a fit to a part, which starts at the minimum of all, each number has a prior: no step of it alone changes the
+        torque by more than was recorded. Rows that do not tell two numbers apart would else move both without end.
+
+        Args:
+            line: The residual about some numbers.
+            free: Numbers that move, shape (p,); None for all.
+        """
+        rows = line.rows
+        assert line.jacobian is not None
+        size = np.linalg.norm(line.jacobian, axis=0)
+        seen = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)
+        seen = seen if free is None else seen & free
+        step = np.zeros(seen.size)
+        if not seen.any():
+            return step
+        A = line.jacobian[rows][:, seen] / size[seen]
+        triangle: FloatArray = np.asarray(np.linalg.qr(np.column_stack([A, -line.residual[rows]]), mode="r"))
+        prior = 0.0 if rows.all() else np.sqrt(line.cost / max(self.energy, 1e-300))
+        held = max(REFIT.rank, prior) * np.eye(int(seen.sum()))
+        low = np.where(self.logarithmic, -REFIT.longest, np.minimum(self.lowest - line.theta, 0.0))[seen] * size[seen]
+        most = np.inf if rows.all() else np.maximum(self.highest - line.theta, 0.0)
+        high = np.where(self.logarithmic, REFIT.longest, most)[seen] * size[seen]
+        found = lsq_linear(
+            np.vstack([triangle[:, :-1], held]),
+            np.concatenate([triangle[:, -1], np.zeros(held.shape[0])]),
+            bounds=(np.minimum(low, -1e-12), np.maximum(high, 1e-12)),
+            method="bvls",
+        )
+        step[seen] = found.x / size[seen]
+        return step
 
     def compute_residual(self, theta: FloatArray) -> FloatArray:
         """Recorded torque less the model's in the band, at the samples that count. Shape (m,)."""
@@ -129,22 +252,31 @@ class _Problem:
         for motion in self.motions:
             for part in motion.parts:
                 torque = align_torque(part, model.dynamics.torque_delay)
-                left = torque - equation.follow(part, motion.rest_speed).torque
+                try:
+                    left = torque - equation.follow(part, motion.rest_speed).torque
+                except ArithmeticError:  # a bristle that is too stiff for plain floats
+                    return np.full(1, np.inf)
                 stride = _choose_stride(motion)
                 found.append(low_pass(left, motion.band, part.dt)[::stride][part.moves[::stride]])
-        return np.concatenate(found)
+        result = np.concatenate(found)
+        return result if np.all(np.isfinite(result)) else np.full(1, np.inf)
 
-    def linearise(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residual and its derivative by the numbers. Shapes (m,) and (m, p)."""
-        residual = self.compute_residual(theta)
-        steps = REFIT.difference * np.maximum(np.abs(theta), np.abs(self.start) + 1e-9)
+    def differentiate(self, line: _Line, free: Rows | None = None) -> _Line:
+        """The line with its derivative by the numbers that move: all where `free` is None."""
+        if line.jacobian is not None:
+            return line
+        theta, residual = line.theta, line.residual
+        size = np.maximum(np.abs(theta), np.abs(self.start))
+        steps = REFIT.difference * np.where(self.logarithmic | (size < REFIT.nothing), 1.0, size)
         columns = []
         for k, step in enumerate(steps):
-            moved = theta.copy()
-            moved[k] += step
+            if free is not None and not free[k]:
+                columns.append(np.zeros_like(residual))
+                continue
+            moved = self.move(theta, np.where(np.arange(theta.size) == k, step, 0.0))
             column = (self.compute_residual(moved) - residual) / step
             columns.append(column if column.size == residual.size else np.zeros_like(residual))
-        return residual, np.stack(columns, axis=1)
+        return replace(line, jacobian=np.stack(columns, axis=1))
 
     def mark_folds(self) -> list[Rows]:
         """The samples of each fold, with the gap around them that no other fold uses. Shape (m,) each."""
@@ -175,11 +307,11 @@ def _list_free(model: FrictionModel, held: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def _may_be_negative(model: FrictionModel, name: str) -> bool:
+def _may_be(model: FrictionModel, name: str, value: float) -> bool:
     if name in _BODY:
         return name != "inertia"
     try:
-        model.law.replace({name: -1e-9})
+        model.law.replace({name: value})
     except ParameterError:
         return False
     return True
@@ -188,14 +320,3 @@ def _may_be_negative(model: FrictionModel, name: str) -> bool:
 def _choose_stride(motion: RecordedMotion) -> int:
     """Every so manieth sample says what all of them say in the band."""
     return max(int(1.0 / (REFIT.rate * motion.band * motion.dt)), 1)
-
-
-def _solve(jacobian: FloatArray, residual: FloatArray, rows: Rows) -> FloatArray:
-    """The step that lowers the residual most; directions that these rows do not show stay. Shape (p,)."""
-    size = np.linalg.norm(jacobian[rows], axis=0)
-    seen = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)
-    step = np.zeros(jacobian.shape[1])
-    if seen.any():
-        A = jacobian[rows][:, seen] / size[seen]
-        step[seen] = np.linalg.lstsq(A, -residual[rows], rcond=REFIT.rank)[0] / size[seen]
-    return step

@@ -69,12 +69,18 @@ class RefitSettings:
     """How all numbers of a model are fitted together.
 
     Attributes:
-        steps: Steps of Gauss and Newton at most: all but speeds and orders act linearly, and those start near.
+        starts: Starts that are followed, best first once the numbers are set that act in proportion.
+        steps: Steps of Gauss and Newton at most from each.
+        fold_steps: The same for a fit without one fold, which starts at the minimum of all of them.
         shares: Parts of a step that are tried.
+        longest: Longest step of the logarithm of a number: further away no derivative says anything.
+        falls: Stribeck velocities that a fit starts from as well, over the top speed. Two of them draw any usual curve.
+        top: Quantile of the speed that counts as the top one.
         settled: Fall of the mean square below which another step is not worth taking.
         difference: Step of a number over its size, for derivatives.
+        nothing: Size of a number below which it says nothing about how far it moves: steps are then of the unit.
         least: Size of a number at the end of its domain, over where it started.
-        rank: Ratio of singular values of the scaled columns below which a direction is not determined.
+        rank: Weight by which a number stays where it was, in that of its column: what the data do not show stays.
         rate: Samples that are kept, in bands: more say the same again.
         folds: Parts of the data that are left out in turn.
         blocks: Blocks of each fold in a part at most: long ones leave room for simulations.
@@ -82,10 +88,16 @@ class RefitSettings:
         gap: Time around a block that no other fold is fitted to, in periods of the band.
     """
 
-    steps: int = 4
-    shares: tuple[float, ...] = (1.0, 0.3)
+    starts: int = 2
+    steps: int = 8
+    fold_steps: int = 2
+    shares: tuple[float, ...] = (1.0, 0.3, 0.1)
+    longest: float = 1.0
+    falls: tuple[float, ...] = (0.05, 0.2)
+    top: float = 0.95
     settled: float = 1e-3
     difference: float = 1e-4
+    nothing: float = 1e-9
     least: float = 1e-6
     rank: float = 1e-4
     rate: float = 4.0

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import SimulationFileError
-from fricomp.laws import FloatArray, OperatingPoint
+from fricomp.laws import FloatArray, OperatingPoint, SpringTorque
 from fricomp.model import FrictionModel
+from fricomp.mujoco_warnings import silence_mujoco
 from fricomp.simulation_file import read_specification
 
 from .arm_motion import ArmMotion
@@ -62,6 +63,7 @@ class SimulatedArm:
     step: float
     notes: tuple[str, ...]
 
+    @silence_mujoco()
     def follow(self, motion: ArmMotion, part: int) -> ArmAlong:
         """Torques that the recorded motion of a part takes, and the states that it leaves."""
         rigid, load, activation = self._invert(motion, part)
@@ -84,6 +86,7 @@ class SimulatedArm:
             states.append(along.states)
         return ArmAlong(torque, activation, tuple(states))
 
+    @silence_mujoco()
     def simulate(
         self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index, lengths: Sequence[int]
     ) -> FloatArray:
@@ -259,6 +262,7 @@ def read_simulated_arm(
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     if laws is not None:
         _clear_friction(model)
+        _clear_springs(model, [name for name, law in zip(joints, laws, strict=True) if law is not None and _pulls(law)])
     order = tuple(int(model.jnt_dofadr[model.joint(name).id]) for name in joints)
     held = [name for name in known if name not in joints]
     notes = (f"Held where the file has them: {', '.join(held)}.",) if held else ()
@@ -270,3 +274,16 @@ def _clear_friction(model: Any) -> None:
     model.dof_damping[:] = 0.0
     model.dof_frictionloss[:] = 0.0
     model.dof_solref[:], model.dof_solimp[:] = _STICKING
+
+
+def _pulls(model: FrictionModel) -> bool:
+    """Whether a law has a spring: the joint's whole one, which the file may have as well."""
+    return any(term.name == SpringTorque.name for term in model.law.terms)
+
+
+def _clear_springs(model: Any, joints: Sequence[str]) -> None:
+    for name in joints:
+        at = model.joint(name).id
+        model.jnt_stiffness[at] = 0.0
+        if hasattr(model, "jnt_stiffnesspoly"):
+            model.jnt_stiffnesspoly[at] = 0.0

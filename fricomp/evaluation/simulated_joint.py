@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray, SpringTorque
 from fricomp.model import JointDynamics
+from fricomp.mujoco_warnings import silence_mujoco
 from fricomp.simulation_file import read_specification
 
 from .equation import Along
@@ -39,12 +40,14 @@ class SimulatedJoint(EvaluatedJoint):
     model: Any
     step: float
 
+    @silence_mujoco()
     def follow(self, part: MotionPart, rest_speed: float) -> Along:
         """Torque by inverse dynamics, and the states of passive motors; a resting joint takes what the drive gives."""
         torque, states = _follow(self.model, part, self._set_step(part.dt))
         rests = np.abs(part.smooth_velocity) <= rest_speed
         return Along(np.where(rests, part.torque, torque), (states,))
 
+    @silence_mujoco()
     def simulate(self, part: MotionPart, along: Along, starts: Index, lengths: Sequence[int]) -> FloatArray:
         """See `EvaluatedJoint`; all simulations run in one call of `mujoco.rollout`."""
         import mujoco

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.control.compensation.curve import FrictionCurves
+from fricomp.control.compensation.network_file import check_graph
 from fricomp.control.compensation.trust import compute_torque_cap, find_doubt_in_status, require_usable, trusted_curves
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.joined_facts import join_facts
@@ -185,6 +186,8 @@ def _read_network(onnx: Any, path: Path, any_status: bool) -> tuple[dict[str, Fl
     """The weights of a network by name, and its metadata."""
     try:
         model = onnx.load(str(path), load_external_data=False)
+        check_graph(model)
+        table = {item.name: onnx.numpy_helper.to_array(item) for item in model.graph.initializer}
     except Exception as error:  # protobuf raises its own kinds
         raise ExportError(f"cannot read the network {path}: {error}") from error
     about = {item.key: item.value for item in model.metadata_props}
@@ -194,10 +197,24 @@ def _read_network(onnx: Any, path: Path, any_status: bool) -> tuple[dict[str, Fl
             f"the network {path} is of a model that is not usable ({doubt}); identify it from better data, or pass "
             "any_status=True (--any-status) to use it all the same"
         )
-    table = {item.name: onnx.numpy_helper.to_array(item) for item in model.graph.initializer}
-    if not {"input_offset", "input_scale", "torque_scale", "weight_0", "bias_0"} <= set(table):
+    if not _is_network(table):
         raise ExportError(f"{path} is not a friction network of this library: export it with fricomp")
     return table, about
+
+
+def _is_network(table: dict[str, FloatArray]) -> bool:
+    """Whether these are the layers of one joint's network, each as wide as the next one takes, and all finite."""
+    if not {"input_offset", "input_scale", "torque_scale"} <= set(table):
+        return False
+    width, n_layers = 2, sum(name.startswith("weight_") for name in table)
+    for k in range(n_layers):
+        weight, bias = table.get(f"weight_{k}"), table.get(f"bias_{k}")
+        if weight is None or bias is None or weight.ndim != 2 or weight.shape != (bias.size, width):
+            return False
+        width = bias.size
+    sizes = [table[name].size for name in ("input_offset", "input_scale", "torque_scale")]
+    is_finite = all(values.dtype.kind == "f" and np.all(np.isfinite(values)) for values in table.values())
+    return n_layers > 0 and width == 1 and sizes == [2, 2, 1] and is_finite and bool(np.all(table["input_scale"]))
 
 
 def _model(

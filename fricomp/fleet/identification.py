@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal, cast
 
@@ -22,12 +23,13 @@ from fricomp.errors import FricompError, IdentificationError, MissingExtraError
 from fricomp.folder_lock import FolderLock
 from fricomp.model import Covariance, FrictionModel, Validity, encode_model
 from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
-from fricomp.report import Chart, Panel, Points, ReportPage, Section, Table, write_report
+from fricomp.report import Bars, Chart, Panel, ReportPage, Section, Table, write_report
 from fricomp.results import FLEET, make_folder
 
 from .joint import FleetJoint
 from .rows import FleetRow, begin_fleet, collect_rows
 from .run import Parcel, at_home, failed_row, is_kept, land, pack, write_failed
+from .severity import Severity, rate_row
 
 __all__ = ["identification_row", "identification_table", "identify_tables", "write_identification_fleet"]
 
@@ -203,16 +205,40 @@ def write_identification_fleet(rows: Sequence[FleetRow], folder: Path) -> Path:
     states = Counter("failed" if row["error"] else str(row["status"]) for row in rows)
     summary = tuple(f"{count} of {len(rows)}: {state.replace('_', ' ')}." for state, count in states.most_common())
     done = [row for row in rows if not row["error"]]
-    charts = (_chart(done),) if done else ()
-    sections = (Section("Parameters of the joints", charts), Section("Each", (identification_table(rows),)))
-    return write_report(ReportPage(f"Friction of {len(rows)} joints", summary, sections), folder / "fleet.html")
+    usable = [row for row in done if rate_row(row) < Severity.UNUSABLE]
+    charts: tuple[Chart | str, ...] = (_chart(usable),) if usable else ()
+    if len(usable) < len(done):
+        left = ", ".join(str(row["name"]) for row in done if row not in usable)
+        charts += (f"Not drawn, as their models are not usable: {left}.",)
+    reports = {str(row["name"]): f"{row['name']}/report.html" for row in done}
+    links = {name: report for name, report in reports.items() if (folder / report).exists()}
+    table = replace(identification_table(rows), links=links, filtered=True)
+    sections = (Section("Parameters of the joints", charts), Section("Each", (table,)))
+    worst = len(usable) < len(rows)
+    page = ReportPage(
+        f"Friction of {len(rows)} joints", summary, sections,
+        outcome="warning" if worst else "passed",
+        verdict=f"{len(rows) - len(usable)} of {len(rows)} not usable" if worst else "All usable",
+    )  # fmt: skip
+    return write_report(page, folder / "fleet.html")
+
+
+def _unit_of(parameter: str, torque: str) -> str:
+    """Unit of a parameter in brackets, where the torque has this one; empty where it is not known."""
+    position = "m" if torque == "N" else "rad"
+    known = {"torque": torque, "velocity": f"{position}/s", "viscous_coefficient": f"{torque}·s/{position}"}
+    unit = next((unit for end, unit in known.items() if parameter.endswith(end)), "")
+    return f"[{unit}]" if unit else ""
 
 
 def _chart(rows: Sequence[FleetRow]) -> Chart:
     """Each parameter over the joints, with its 95 % interval."""
     panels = []
+    unit = str(rows[0].get("torque_unit") or "N·m")
     for name in _parameters(rows):
-        given = [(i, row[name], row[name + _DEVIATION]) for i, row in enumerate(rows) if row.get(name) is not None]
-        index, value, deviation = np.array(given, dtype=np.float64).T
-        panels.append(Panel((Points(index, value, error=REACH * deviation),), "joint", name.partition(".")[2] or name))
+        given = [(str(r["name"]), r[name], r[name + _DEVIATION]) for r in rows if r.get(name) is not None]
+        names, value, deviation = zip(*given, strict=True)
+        bars = Bars(names, np.array(value, dtype=np.float64), error=REACH * np.array(deviation, dtype=np.float64))
+        label = f"{(name.partition('.')[2] or name).replace('_', ' ')} {_unit_of(name, unit)}".strip()
+        panels.append(Panel((bars,), "joint", label))
     return Chart("parameters", "Parameters with 95 % intervals", tuple(panels), columns=2)

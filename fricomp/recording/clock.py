@@ -5,6 +5,7 @@ part between gaps; what the stamps are off it is either their error or a true un
 tells: where the stamps are right, a joint that moves is further by its speed times what the stamp is late.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -27,8 +28,12 @@ _USUAL = 1.6
 where a row is missing."""
 _SCATTER = 0.45
 """Standard deviation from the grid above which a part has no grid, in periods: rows could then change places."""
-_WANDER = 1.5
+_WANDER = 1.0
 """Deviation from the grid over that of neighbouring steps, above which the clock wanders. White errors have 0.71."""
+_WANDER_ROWS = 100
+"""Rows to either side whose mean tells where a clock that wanders is: errors of single stamps are then a fourteenth."""
+_MOST_BENT = 0.1
+"""Part of a period by which the grid may change from row to row; two rates in turns differ by more."""
 _FOLLOW = 0.05
 """Part of a stamp's deviation by which the grid follows it while rows are counted."""
 _SURE = 0.2
@@ -94,32 +99,65 @@ def mend_clock(recording: Recording) -> tuple[Recording, Clock]:
 def _period(step: Samples, tick: float) -> float:
     """Mean of the usual steps of time [s]: stamps in milliseconds have a median that no sample has.
 
-    Where a row is missing the step is twice as long; it must not count, or rows are counted wrongly all along.
+    Where a row is missing the step is twice as long; it must not count, or rows are counted wrongly all along. Nor must
+    steps that are as much too short, or the mean of stamps that jitter would lean to one side.
     """
     middle = float(np.median(step))
-    return float(np.mean(step[step < max(_USUAL * middle, middle + 1.01 * tick)]))
+    usual = np.abs(step - middle) < max((_USUAL - 1.0) * middle, 1.01 * tick)
+    return float(np.mean(step[usual]))
 
 
 def _lay_grid(time: Samples, period: float) -> Samples:
     """Even instants for the stamps of a part, in which rows may be missing; the stamps where they are not even."""
     if time.size < _FEWEST:
         return time
-    count = _count_periods(time, period)
-    for _ in range(3):  # the period is known better with each fit, and with it which rows are missing
-        slope, start = np.polyfit(count, time - time[0], 1)
-        if slope <= 0.0:
-            return time
-        better = _count_periods(time, float(slope))
+    fits = [_fit_grid(time, period, _count_rows), _fit_grid(time, period, _count_periods)]
+    # A row that is counted wrongly puts all that follow a period off the grid: what is least off is right.
+    grid, slope = min(fits, key=lambda fit: float(np.std(time - fit[0])))
+    if slope <= 0.0:
+        return time
+    off = time - grid
+    rounded = float(np.max(np.abs(off))) <= 0.75 * _find_tick(time) and float(np.std(off)) <= _SCATTER * slope
+    if rounded or _errs_alone(off, slope):
+        return grid
+    bent = grid + _follow_wander(off)
+    follows = float(np.max(np.abs(np.diff(bent - grid)))) < _MOST_BENT * slope
+    return bent if follows and _errs_alone(time - bent, slope) else time
+
+
+def _fit_grid(time: Samples, period: float, counted: Callable[[Samples, float], Samples]) -> tuple[Samples, float]:
+    """Even instants by numbers of the rows, and their period [s]; it is known better with each fit, and with it which
+    rows are missing."""
+    count, slope, start = counted(time, period), period, 0.0
+    for _ in range(3):
+        slope, start = (float(one) for one in np.polyfit(count, time - time[0], 1))
+        better = counted(time, slope) if slope > 0.0 else count
         if np.array_equal(better, count):
             break
         count = better
-    grid = np.asarray(time[0] + start + slope * count, dtype=np.float64)
-    off = time - grid
+    return np.asarray(time[0] + start + slope * count, dtype=np.float64), slope
+
+
+def _errs_alone(off: Samples, period: float) -> bool:
+    """Whether stamps are off a grid each by itself, and by less than lets rows change places."""
     scatter, steps = float(np.std(off)), float(np.std(np.diff(off)))
-    if scatter > _SCATTER * slope:
-        return time
-    rounded = float(np.max(np.abs(off))) <= 0.75 * _find_tick(time)
-    return grid if rounded or scatter <= _WANDER * steps else time
+    return scatter <= _SCATTER * period and scatter <= _WANDER * steps
+
+
+def _follow_wander(off: Samples) -> Samples:
+    """What stamps are off a straight grid as a mean of their neighbours: a clock of a changing rate. Shape (n,).
+
+    At the ends the mean goes over fewer, of as many on either side.
+    """
+    total = np.concatenate([[0.0], np.cumsum(off)])
+    row = np.arange(off.size)
+    reach = np.minimum(np.minimum(row, off.size - 1 - row), _WANDER_ROWS)
+    return np.asarray((total[row + reach + 1] - total[row - reach]) / (2 * reach + 1), dtype=np.float64)
+
+
+def _count_rows(time: Samples, period: float) -> Samples:
+    """Number of each row; the period has no part in it. Shape (n,)."""
+    return np.arange(time.size, dtype=np.float64)
 
 
 def _count_periods(time: Samples, period: float) -> Samples:

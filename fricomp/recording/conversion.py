@@ -7,15 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
+from fricomp.recording.checks.torque_causes import read_signed
 from fricomp.recording.finding import Finding
 from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample_checked
+from fricomp.recording.runs import integrate, order_runs
 from fricomp.recording.sources import Columns, find_column, read_columns
 from fricomp.recording.stamps import spread_stamps
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import drop_repeated_stamps, find_usable_rows, tell_bad_rows
+from fricomp.recording.validity import drop_twins, find_usable_rows, mend_stamps, tell_bad_rows
 
 Samples = NDArray[np.float64]
 
@@ -117,6 +119,7 @@ def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
 def _wanted_keys(plan: _Plan) -> list[Column]:
     keys = [plan.key(rule.column, rule.joint_step) for rule in plan.channels.values() if rule.column is not None]
     keys += [plan.key(rule.times) for rule in plan.channels.values() if rule.times is not None]
+    keys += [plan.key(rule.nanoseconds) for rule in plan.channels.values() if rule.nanoseconds is not None]
     return keys + ([plan.key(plan.file.where.column)] if plan.file.where else [])
 
 
@@ -130,8 +133,9 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
     for name, rule in plan.channels.items():
         if rule.from_zero:
             channels[name] = channels[name] - channels[name][:1]
-    channels, repeated = drop_repeated_stamps(channels)
-    findings += repeated
+    for mend in (drop_twins, mend_stamps, order_runs) if _of_one_length(channels) else ():
+        channels, told = mend(channels)
+        findings += told
     try:
         recording = Recording.from_channels(channels, plan.metadata)
     except RecordingError as error:
@@ -140,6 +144,11 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
         return NamedRecording(plan.name, recording, findings)
     recording, before = resample_checked(recording, mapping.resample_rate)
     return NamedRecording(plan.name, recording, findings + before)
+
+
+def _of_one_length(channels: dict[str, Samples]) -> bool:
+    """Whether every channel has one value a row; what has not is refused with its name."""
+    return {values.shape for values in channels.values()} == {channels["time"].shape} and channels["time"].size > 2
 
 
 def _leave_out_others(
@@ -211,6 +220,8 @@ def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done
     values = _origin(rule, plan, columns, rows, done)
     if rule.signed_bits is not None:
         values = np.where(values >= 2.0 ** (rule.signed_bits - 1), values - 2.0**rule.signed_bits, values)
+    if rule.nanoseconds is not None:
+        values = values - values[:1] + 1e-9 * _take(find_column(columns, plan.key(rule.nanoseconds)), rows)
     if rule.times is not None:
         values = values * _take(find_column(columns, plan.key(rule.times)), rows)
     if rule.unit is not None:
@@ -218,6 +229,8 @@ def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done
         _require_unit(name, rule.unit, unit.si, plan.metadata)
         values = values * unit.factor + unit.offset
     values = values * (rule.sign * rule.scale) + rule.offset
+    if rule.signed_range is not None:
+        values = read_signed(values, rule.signed_range)
     if rule.unwrap is not None:
         values = np.unwrap(values, period=rule.unwrap)
     if rule.spread:
@@ -235,8 +248,7 @@ def _origin(
     if rule.rate is not None:
         return np.asarray((rows - rows[:1]) / rule.rate, dtype=np.float64)
     if rule.integral_of is not None:
-        values, step = done[rule.integral_of], np.diff(done["time"])
-        return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * step)])
+        return integrate(done[rule.integral_of], done["time"])
     return np.full(rows.size, rule.constant, dtype=np.float64)
 
 

@@ -27,7 +27,7 @@ from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, 
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
 from fricomp.recording.stamps import with_row_rate
-from fricomp.recording.validity import drop_bad_rows
+from fricomp.recording.validity import drop_bad_rows, mend_stamps
 from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
 
@@ -80,7 +80,7 @@ def read_csv(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None 
     fast = None if skip_bad_rows else _read_fast(path)
     if fast is not None:
         fields, columns = fast
-        return FileContent(_build_recording(path, fields, with_row_rate(columns, row_rate)), ())
+        return _build_content(path, fields, with_row_rate(columns, row_rate), ())
     text = _read_text(path)
     fields, header, start = _split_preamble(text, path)
     names = _parse_header(header, path)
@@ -93,7 +93,7 @@ def read_csv(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None 
             findings += left_out
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
-    return FileContent(_build_recording(path, fields, columns), findings)
+    return _build_content(path, fields, columns, findings)
 
 
 def _read_fast(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]] | None:
@@ -111,9 +111,12 @@ def _read_fast(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float64
     return None if columns is None else (fields, columns)
 
 
-def _build_recording(path: Path, fields: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Recording:
+def _build_content(
+    path: Path, fields: dict[str, Any], columns: dict[str, NDArray[np.float64]], findings: tuple[Finding, ...]
+) -> FileContent:
     try:
-        return Recording.from_channels(columns, metadata_from_fields(fields))
+        columns, repeated = mend_stamps(columns)
+        return FileContent(Recording.from_channels(columns, metadata_from_fields(fields)), findings + repeated)
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 

@@ -1,7 +1,10 @@
 """Recordings on disk: the suffix of the path decides between CSV and Parquet."""
 
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
+
+import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.csv_file import FileContent, read_csv, write_csv
@@ -12,6 +15,8 @@ from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
 
 _CSV = (".csv", ".txt")
+_RESTS = 0.01
+"""Part of the largest travel of a log's joints below which one holds still."""
 _PARQUET = (".parquet", ".pq")
 
 
@@ -29,7 +34,9 @@ def write_recording(recording: Recording, path: str | Path) -> None:
         write_csv(recording, target)
 
 
-def read_recording(path: str | Path) -> Recording:
+def read_recording(
+    path: str | Path, *, channels: Mapping[str, str] | None = None, joint: str | None = None
+) -> Recording:
     """Read a recording: a CSV or Parquet file of the project's own, or the log of one joint whose columns have names.
 
     Of such a log (CSV, Parquet, MAT, NPZ, JSON, MCAP, a bag) names such as `t_ms`, `q_deg` and `tau` say what the
@@ -38,18 +45,30 @@ def read_recording(path: str | Path) -> Recording:
     Warns with `RecordingWarning` when the file ends in an unfinished line.
     `check_recording` looks for what may mislead: units, signs, gaps, wraps.
 
+    Args:
+        path: File, or the folder of a bag.
+        channels: Column by channel where several could be one, such as {"torque": "tau_measured"}.
+        joint: Which one of a log of several.
+
     Raises:
         RecordingError: The file is missing, damaged, or its samples cannot be used; the
             message names row, column and what to do.
         MissingExtraError: The file is Parquet and pyarrow is not installed.
     """
-    content = read_content(Path(path))
+    content = read_content(Path(path), channels=channels, joint=joint)
     for finding in content.findings:
         warnings.warn(f"{path}: {finding}", RecordingWarning, stacklevel=2)
     return content.recording
 
 
-def read_content(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None = None) -> FileContent:
+def read_content(
+    path: Path,
+    *,
+    skip_bad_rows: bool = False,
+    row_rate: float | None = None,
+    channels: Mapping[str, str] | None = None,
+    joint: str | None = None,
+) -> FileContent:
     """Read a recording with what was wrong with its file; nothing is warned about.
 
     Args:
@@ -57,6 +76,8 @@ def read_content(path: Path, *, skip_bad_rows: bool = False, row_rate: float | N
         skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance;
             a finding says how many.
         row_rate: Rows a second in place of the stamps [Hz]; None takes the stamps.
+        channels: Column by channel where several could be one, such as {"torque": "tau_measured"}.
+        joint: Which one of a log of several.
 
     Raises:
         RecordingError: As for `read_recording`.
@@ -66,8 +87,8 @@ def read_content(path: Path, *, skip_bad_rows: bool = False, row_rate: float | N
         raise RecordingError(f"no recording at {path}: check the path")
     if path.is_dir() and not is_bag_folder(path):
         raise RecordingError(f"{path} is a folder: name the recording inside it")
-    if not is_own(path):
-        return _read_named(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+    if channels or not is_own(path):
+        return _read_named(path, channels or {}, joint, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     if path.suffix.lower() in _PARQUET:
         return read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     return read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
@@ -78,20 +99,32 @@ def is_own(path: Path) -> bool:
     return not path.exists() or (path.is_file() and path.suffix.lower() in _CSV + _PARQUET and is_native(path))
 
 
-def _read_named(path: Path, *, skip_bad_rows: bool, row_rate: float | None) -> FileContent:
+def _read_named(
+    path: Path, channels: Mapping[str, str], joint: str | None, *, skip_bad_rows: bool, row_rate: float | None
+) -> FileContent:
     """The one joint of a log whose columns say by their names what they hold."""
-    log = read_named_log(path, row_rate=row_rate)
-    if len(log.recordings) > 1:
+    log = read_named_log(path, channels, row_rate=row_rate)
+    found = log.recordings
+    notes = list(log.notes)
+    if len(found) > 1 and joint is None:
+        moving = tuple(one for one in found if np.ptp(one.position) > _RESTS * max(np.ptp(o.position) for o in found))
+        if len(moving) == 1:
+            notes.append(f"{path.name}: of {len(found)} joints {moving[0].metadata.joint} alone moves, and was taken")
+        found = moving if len(moving) == 1 else ()
+    elif len(found) > 1:
+        found = tuple(one for one in found if one.metadata.joint == joint)
+    if not found:
         names = ", ".join(one.metadata.joint for one in log.recordings)
+        none = f", none of them {joint!r}" if joint is not None else ""
         raise RecordingError(
-            f"{path} is the log of {len(log.recordings)} joints, {names}: give the --simulation of their arm, or take "
-            "one by 'fricomp convert LOG --only JOINT --out joint.csv'"
+            f"{path} is the log of {len(log.recordings)} joints, {names}{none}: give the --simulation of their arm, or "
+            "take one by --joint NAME"
         )
     if not skip_bad_rows:
         raise_errors(log.findings, str(path))
     advice = "if it is wrong, 'fricomp convert LOG --inspect' writes a mapping to edit"
-    told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in log.notes)
-    return FileContent(log.recordings[0], (*told, *log.findings))
+    told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in notes)
+    return FileContent(found[0], (*told, *log.findings))
 
 
 def _suffix(path: Path) -> str:

@@ -77,11 +77,15 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         rate: Rows a second [Hz]; only for time, where the source has no clock.
         integral_of: Another channel whose integral over time this one is, from zero.
         signed_bits: The source stores a signed number of so many bits as an unsigned one.
+        nanoseconds: Only for time, whose column holds whole seconds since some day: that of the rest of its stamp. The
+            first row is then at its rest.
         times: Another column to multiply by.
         unit: Unit of the source by name.
         scale: Factor.
         sign: 1 or -1.
         offset: Added [SI].
+        signed_range: As `signed_bits` where the numbers have been scaled before: what half this range and more stands
+            for is less by it [SI].
         delay: The value acts or was read so long after its stamp [s]; it is moved there. Not for time.
         spread: Only for time, whose stamps are held over several rows: the rows between are spread evenly.
         from_zero: Subtract the first value.
@@ -95,11 +99,13 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     rate: _Positive | None = None
     integral_of: str | None = None
     signed_bits: Annotated[int, Meta(ge=1, le=64)] | None = None
+    nanoseconds: Column | None = None
     times: Column | None = None
     unit: str | None = None
     scale: float = 1.0
     sign: Literal[1, -1] = 1
     offset: float = 0.0
+    signed_range: _Positive | None = None
     delay: float = 0.0
     spread: bool = False
     from_zero: bool = False

@@ -11,7 +11,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import Recording
 from fricomp.recording.stamps import with_row_rate
-from fricomp.recording.validity import drop_bad_rows
+from fricomp.recording.validity import drop_bad_rows, mend_stamps
 from fricomp.untrusted import find_size_limit, parse_json
 from fricomp.whole_file import whole_file
 
@@ -65,7 +65,8 @@ def read_parquet(path: Path, *, skip_bad_rows: bool = False, row_rate: float | N
         fields = _decode_fields((table.schema.metadata or {}).get(_KEY))
         if skip_bad_rows and "time" in columns and all(c.dtype.kind in "fiu" for c in columns.values()):
             columns, findings = drop_bad_rows(columns)
-        return FileContent(Recording.from_channels(columns, metadata_from_fields(fields)), findings)
+        columns, repeated = mend_stamps(columns)
+        return FileContent(Recording.from_channels(columns, metadata_from_fields(fields)), findings + repeated)
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 

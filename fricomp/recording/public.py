@@ -12,8 +12,6 @@ from fricomp.recording.conversion import NamedRecording, convert
 from fricomp.recording.mapping import Mapping, list_mappings, load_mapping
 from fricomp.recording.recording import Recording
 
-_DEFAULT = Path(__file__).resolve().parents[2].parent / "shared" / "data"
-
 
 def find_public_data(name: str) -> Path | None:
     """Return the folder of a public set, e.g. "emps", or None where it is absent.
@@ -23,8 +21,9 @@ def find_public_data(name: str) -> Path | None:
     """
     if name not in list_mappings():
         raise RecordingError(f"unknown data set {name!r}: valid are {', '.join(list_mappings())}")
-    folder = Path(os.environ.get("FRICOMP_DATA", _DEFAULT)) / name
-    return folder if folder.is_dir() else None
+    data = os.environ.get("FRICOMP_DATA", "")
+    folder = Path(data) / name
+    return folder if data and folder.is_dir() else None
 
 
 def read_public(name: str) -> tuple[Recording, ...]:

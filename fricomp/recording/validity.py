@@ -11,6 +11,7 @@ from fricomp.recording.stamps import find_rising, find_row_rate
 Samples = NDArray[np.float64]
 
 _MANY, _TOO_MANY = 0.01, 0.2  # parts of the rows that were left out
+_JITTER = 2.0  # periods by which the stamp of a clock that jitters may lie before that of an earlier row
 _MANY_REPEATED = 0.2  # part of the rows with the stamp of the one before, above which the clock is coarse
 
 
@@ -55,18 +56,24 @@ def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], 
     return {name: values[keep] for name, values in channels.items()}, tell_bad_rows(keep)
 
 
-def drop_repeated_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
-    """Return the channels without rows that are stamped as the one before, and a note on how many there were.
+def mend_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """Return the channels with stamps that rise, where little is wrong with them, and a note on what was done.
 
-    The first of each is kept. Many such rows are a coarse clock, whose rows have instants of their own: they stay, and
-    are refused with what to write.
+    Of rows that are stamped alike the first is kept. Many of them are a coarse clock, whose rows have instants of their
+    own: they stay, and are refused later with what to write. Where some rows are stamped a little before those that
+    they follow, the clock jitters: all rows stay, and those get stamps just after (`mend_clock` then makes them even).
 
     Args:
-        channels: As for `find_invalid`.
+        channels: As for `find_invalid`; `time` may be missing.
     """
-    time = channels["time"]
+    time = channels.get("time", np.zeros(0))
     same = {values.shape for values in channels.values()} == {time.shape} and time.ndim == 1
-    repeated = np.concatenate([[False], np.diff(time) == 0.0]) if same and time.size > 2 else np.zeros(0, dtype=bool)
+    step = np.diff(time) if same and time.size > 2 else np.ones(0)
+    repeated = np.concatenate([[False], step == 0.0]) if step.size else np.zeros(0, dtype=bool)
+    if _jitters(time, step):
+        message = f"{np.count_nonzero(step <= 0.0)} of {time.size} rows are stamped no later than the one before"
+        finding = Finding("jitter", "note", f"{message}, as by a clock that jitters", "nothing to do", column="time")
+        return {**channels, "time": _raise_stamps(time, float(np.median(step)))}, (finding,)
     if not repeated.any() or np.mean(repeated) > _MANY_REPEATED:
         return dict(channels), ()
     row = int(np.argmax(repeated)) + 1
@@ -74,6 +81,35 @@ def drop_repeated_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Sam
     return {name: values[~repeated] for name, values in channels.items()}, (
         Finding("repeated_rows", "note", message, "nothing to do", row, "time"),
     )
+
+
+def _jitters(time: Samples, step: Samples) -> bool:
+    """Whether some rows are stamped before those that they follow, by less than a few periods, and few are."""
+    if not np.any(step < 0.0) or not np.isfinite(time).all():
+        return False
+    back = np.maximum.accumulate(time)[:-1] - time[1:]
+    return float(np.mean(back >= 0.0)) < _MANY_REPEATED and float(back.max()) < _JITTER * float(np.median(step))
+
+
+def _raise_stamps(time: Samples, period: float) -> Samples:
+    """Stamps that rise: what is no later than a stamp before it comes a millionth of a period after that."""
+    least = 1e-6 * period * np.arange(time.size)
+    return np.asarray(np.maximum.accumulate(time - least) + least)
+
+
+def drop_twins(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """Return the channels without rows that are the one before once more, stamp and all, and a note on them.
+
+    Args:
+        channels: As for `find_invalid`, of equal lengths.
+    """
+    same = [np.diff(values) == 0.0 for values in channels.values()]
+    twins = np.concatenate([[False], np.all(same, axis=0)])
+    if not twins.any():
+        return dict(channels), ()
+    message = f"{np.count_nonzero(twins)} of {twins.size} rows are the one before once more and were left out"
+    found = Finding("repeated_rows", "note", message, "nothing to do", int(np.argmax(twins)) + 1, "time")
+    return {name: values[~twins] for name, values in channels.items()}, (found,)
 
 
 def tell_bad_rows(keep: NDArray[np.bool_]) -> tuple[Finding, ...]:

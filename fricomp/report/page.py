@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from fricomp.errors import MissingExtraError, ParameterError
 from fricomp.report.chart import Chart
-from fricomp.report.interactive import draw_interactive, plotly_javascript
+from fricomp.report.interactive import draw_interactive, plotly_script
 from fricomp.whole_file import write_whole
 
-__all__ = ["Check", "Outcome", "ReportPage", "Section", "Table", "write_report"]
+__all__ = ["Check", "Outcome", "ReportPage", "Section", "Table", "describe_chart", "write_report"]
 
 
 @dataclass(frozen=True)
@@ -23,11 +24,15 @@ class Table:
         columns: Headings, with units.
         rows: One entry a column; a column of cells that begin with a digit or a sign is set flush right.
         caption: What it shows; empty for none.
+        links: Where the first cell of each row leads, by that cell; paths from the folder of the page.
+        filtered: Whether the reader can look for rows by a word.
     """
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
+    links: Mapping[str, str] = field(default_factory=dict)
+    filtered: bool = False
 
     def __post_init__(self) -> None:
         for row in self.rows:
@@ -90,6 +95,8 @@ class ReportPage:
         sections: In reading order.
         subtitle: Joint, date, and the like.
         facts: Name to value: a line of key figures below the summary.
+        outcome: What the first card looks like: `failed` where the result is not to be used.
+        verdict: A word or two above the summary, such as `Not usable`; empty for none.
     """
 
     title: str
@@ -97,6 +104,8 @@ class ReportPage:
     sections: tuple[Section, ...]
     subtitle: str = ""
     facts: dict[str, str] = field(default_factory=dict)
+    outcome: Outcome = "note"
+    verdict: str = ""
 
 
 def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
@@ -125,8 +134,8 @@ def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
         for section in page.sections
     ]
     has_charts = any(isinstance(block, Chart) for section in page.sections for block in section.blocks)
-    script = plotly_javascript() if has_charts else ""
-    html = environment.get_template("page.html").render(page=page, sections=sections, plotly_javascript=script)
+    script = plotly_script() if has_charts else ""
+    html = environment.get_template("page.html").render(page=page, sections=sections, plotly_script=script)
     target = Path(path)
     write_whole(target, html)
     return target
@@ -137,11 +146,27 @@ def _block(block: Block) -> dict[str, Any]:
         case str():
             return {"kind": "text", "text": block}
         case Chart():
-            return {"kind": "chart", "chart": block, "html": draw_interactive(block)}
+            return {
+                "kind": "chart",
+                "chart": block,
+                "html": draw_interactive(block),
+                "alternative": describe_chart(block),
+            }
         case Table():
             return {"kind": "table", "table": block}
         case Check():
             return {"kind": "check", "check": block}
+
+
+def describe_chart(chart: Chart) -> str:
+    """A chart in words, for whoever cannot see it: what each panel shows over what, and the caption."""
+    shown = []
+    for panel in chart.panels:
+        labels = [label for mark in panel.marks if (label := getattr(mark, "label", ""))]
+        over = f"{panel.y_label} over {panel.x_label}" if panel.x_label and panel.y_label else panel.y_label
+        named = f"{panel.title}: {over}" if panel.title else over
+        shown.append(f"{named} ({', '.join(dict.fromkeys(labels))})" if labels else named)
+    return ". ".join(part.rstrip(".") for part in (chart.title, *shown, chart.caption) if part) + "."
 
 
 def _is_numeric(cell: str) -> bool:

@@ -96,6 +96,9 @@ class SimulatedJointAdapter(JointAdapter):
         self._seen_ns = feedback.time_ns
         return fresh
 
+    def _describe_fault(self, joint: int, code: int) -> str:
+        return "its watchdog has fired, because it heard nothing"
+
     def _stop(self) -> None:
         self.stand_in.disable()
 

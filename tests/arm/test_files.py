@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from fricomp.arm import load_arm_record
 from fricomp.arm.record import arm_json_schema
 from fricomp.cli.main import app
+from fricomp.diagnosis import load_diagnosis
 from fricomp.errors import DiagnosisError
 from fricomp.model import load_model
 from fricomp.recording import write_recording
@@ -32,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     command = ["diagnose", str(root / "log"), "--simulation", str(write_arm(root)), "--out", str(root / "out")]
     done = CliRunner().invoke(app, command)
     assert done.exit_code == 0, done.output
-    assert "hand is" in done.output
+    assert "Links that are off: hand (" in done.output
     return root / "out"
 
 
@@ -73,6 +74,18 @@ def test_every_joint_has_a_model_that_loads(folder: Path) -> None:
         model = load_model(folder / "joints" / name / "friction.json")
         assert model.joint == name
         assert model.law.torque(1e-6) == pytest.approx(level, abs=0.06)
+
+
+def test_every_joint_has_a_diagnosis_and_a_page_that_the_page_of_the_arm_leads_to(folder: Path) -> None:
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for name in ("shoulder", "elbow", "wrist"):
+        record = load_diagnosis(folder / "joints" / name / "diagnosis.json")
+        assert (record.verdict, record.joint, record.effects) == ("parameters", name, ())
+        assert record.errors is not None
+        assert record.heldout is not None
+        assert record.heldout.rmse_after < 0.04  # of 0.03 N·m of white noise
+        assert (folder / "joints" / name / "report.html").stat().st_size > 1000
+        assert f'href="joints/{name}/report.html"' in page
 
 
 def test_the_corrected_simulation_weighs_what_was_found(folder: Path) -> None:

@@ -9,13 +9,15 @@ from typer.testing import CliRunner
 
 from fricomp import diagnose
 from fricomp.arm.payload import diagnose_payload
-from fricomp.arm.regressor import compute_regressor
-from fricomp.arm.simulated_arm import read_arm
+from fricomp.arm.rigid.regressor import compute_regressor
+from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.cli.main import app
 from fricomp.diagnosis import load_diagnosis
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
 from fricomp.sim_bench.studies.real.arm import ARMS, arm_xml
+
+from .moving_arm import record_arm, write_arm
 
 _ARM = """<mujoco><worldbody>
 <body><joint name="shoulder" axis="0 1 0"/><inertial pos="0.2 0 0" mass="3" diaginertia="0.1 0.1 0.1"/>
@@ -138,3 +140,13 @@ def test_the_known_payload_of_a_real_arm(tmp_path: Path, light: str) -> None:
     mass = diagnosis.effects[0].parameters["mass"]
     assert mass.value == pytest.approx(2.805, rel=0.03)
     assert mass.ci95[0] < 2.805 < mass.ci95[1]
+
+
+def test_a_simulation_that_is_wrong_elsewhere_widens_the_interval_of_one_session(tmp_path: Path) -> None:
+    """The forearm weighs 1 kg more than its simulation says, beside 0.6 kg at the hand: joints do not agree."""
+    recorded = record_arm(write_arm(tmp_path, (4.0, 3.5, 1.8)), duration=25.0)
+    wrong = diagnose_payload(recorded, write_arm(tmp_path)).effects
+    right = diagnose_payload(recorded, write_arm(tmp_path, (4.0, 3.5, 1.2))).effects[0].parameters["mass"]
+    assert right.value == pytest.approx(0.6, rel=0.05)
+    assert right.ci95[0] < 0.6 < right.ci95[1]
+    assert not wrong or wrong[0].parameters["mass"].ci95[0] < 0.6 < wrong[0].parameters["mass"].ci95[1]

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import msgspec
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -21,6 +22,7 @@ from fricomp.folder_lock import LOCK_FILE
 from fricomp.model import load_model
 from fricomp.overview import format_with_reach
 from fricomp.recording import read_recording
+from fricomp.recording.named.source import read_named_columns
 
 SHORT = ["--speeds", "0.01,0.03,0.05,0.08,0.3,1.5", "--repeats", "1", "--dwell", "0.4", "--warm-up", "0.5"]
 QUICK = [*SHORT, "--method", "least_squares"]
@@ -341,3 +343,16 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_was_written(tmp_path: Path) 
     assert "cannot write" in sentence
     assert "rows are safe on disk" in sentence
     assert load_sweep(out / "recording.csv").blocks
+
+
+def test_the_log_of_a_sweep_holds_its_motion_and_what_the_model_leaves(tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    log = tmp_path / "sweep.mcap"
+    result = CliRunner().invoke(app, ["calibrate", *QUICK, "--out", str(tmp_path / "run"), "--log", str(log)])
+    assert result.exit_code == 0, result.output
+    columns = read_named_columns(log)
+    kept = read_recording(tmp_path / "run" / "recording.csv")
+    assert columns["joint.position"] == pytest.approx(kept.position, abs=1e-9)
+    moving = np.abs(columns["joint.velocity"]) > 0.2
+    friction, left = np.abs(columns["joint.model"][moving]), np.abs(columns["joint.residual"][moving])
+    assert np.median(left) < 0.1 * np.median(friction)

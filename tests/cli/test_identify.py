@@ -76,7 +76,8 @@ def test_a_second_basin_nearly_as_likely_is_a_warning(tmp_path: Path, monkeypatc
 
 def test_points_that_depart_from_the_law_are_a_warning_and_an_offset_a_note(tmp_path: Path) -> None:
     v = np.concatenate([-np.geomspace(0.01, 1.0, 40), np.geomspace(0.01, 1.0, 40)])
-    torque = np.sign(v) * (0.2 + 0.5 * np.exp(-np.abs(v) / 0.05)) + 0.02 * v + 0.03
+    hump = 0.15 * np.exp(-(((np.abs(v) - 0.45) / 0.12) ** 2))
+    torque = np.sign(v) * (0.2 + 0.5 * np.exp(-((v / 0.05) ** 2)) + hump) + 0.02 * v + 0.03
     table, out = tmp_path / "points.csv", tmp_path / "out"
     torque = torque + np.random.default_rng(0).normal(0.0, 0.01, v.size)
     np.savetxt(table, np.column_stack([v, torque]), delimiter=",", header="velocity,torque", comments="")
@@ -117,7 +118,7 @@ def test_a_table_is_told_from_a_recording(tmp_path: Path) -> None:
     [
         ("", "is empty"),
         ("velocity,torque\n", "has a header and no rows"),
-        ("velocity,force\n1,2\n", "it has velocity, force"),
+        ("velocity,load\n1,2\n", "it has velocity, load"),
         ("velocity,torque\n1,x\n", "row 1, column torque is 'x'"),
         ("velocity,torque\n1\n", "column torque is 'missing'"),
         ("velocity,torque\n1,nan\n", "not a finite number"),
@@ -241,8 +242,8 @@ def test_a_constant_normal_load_leaves_the_model_as_it_is(tmp_path: Path, option
     [
         ("velocity", "a table of friction points has velocity,torque"),
         ("Velocity,Torque", "write the names in lower case"),
-        ("velocity;torque", "separate the columns by commas"),
-        ("t,q,tau", "fricomp convert SOURCE --mapping FILE"),
+        ("velocity;torque", "separate the columns of the rows by the same mark"),
+        ("a,b,c", "fricomp convert SOURCE --mapping FILE"),
     ],
 )
 def test_a_file_of_neither_kind_is_not_called_a_recording(tmp_path: Path, header: str, words: str) -> None:

@@ -23,7 +23,7 @@ README = Path(__file__).parents[2] / "README.md"
 PATIENCE = 20.0  # for another thread [s]
 
 SHORT = {
-    "calibrate": "--speeds 0.02,0.04,0.1,0.2,0.3,0.4,0.5 --repeats 1 --warm-up 1 --method least_squares",
+    "calibrate": "--speeds 0.05,0.1,0.2,0.3,0.5 --dwell 0.3 --repeats 1 --warm-up 0 --method least_squares",
     "run": "--amplitude 0.05 --frequency 1 --cycles 1 --priority 0",
 }
 """What makes a line of the README short enough for a test; everything else stands there."""
@@ -82,6 +82,7 @@ def test_the_readme_shows_a_twin_a_check_and_a_calibration() -> None:
 BY_PROTOCOL = [pytest.param(name, marks=[] if name == "canopen" else pytest.mark.slow) for name in PROTOCOLS]
 
 
+@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", BY_PROTOCOL)
 def test_the_lines_of_the_readme_run_in_order(protocol: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -102,6 +103,7 @@ def test_the_lines_of_the_readme_run_in_order(protocol: str, tmp_path: Path, mon
     assert Path("runs/twin/friction.json").stat().st_size
 
 
+@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", BY_PROTOCOL)
 def test_the_line_for_one_process_runs(protocol: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

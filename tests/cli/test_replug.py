@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +22,7 @@ from fricomp.sim_bench.twins.configuration import CAN_PROTOCOLS, PROTOCOLS, make
 from fricomp.sim_bench.twins.odrive import flat_endpoints
 from fricomp.sim_bench.twins.port import PtyPort
 
-SHORT = ["--speeds", "0.02,0.04,0.1,0.2,0.3,0.4,0.5", "--repeats", "1", "--warm-up", "1", "--method", "least_squares"]
+SHORT = shlex.split("--speeds 0.05,0.1,0.2,0.3,0.5 --dwell 0.3 --repeats 1 --warm-up 0 --method least_squares")
 PULLED_NS = 12_000_000_000
 
 
@@ -81,6 +82,7 @@ def calibrate_and_go_on(file: Path, out: Path, clock: PulledClock, complaint: st
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_calibration_goes_on_after_its_port_was_replugged(
     protocol: str, tmp_path: Path, endpoints: Path, monkeypatch: pytest.MonkeyPatch
@@ -127,6 +129,7 @@ ERRORS = {
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", sorted(CAN_PROTOCOLS))
 @pytest.mark.parametrize("name", ERRORS)
 def test_a_calibration_goes_on_after_its_bus_was_reset(

@@ -1,6 +1,8 @@
 """`fricomp run` with options that would divide by zero or move nothing."""
 
+import json
 import math
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -183,3 +185,45 @@ def test_a_motion_that_would_leave_the_configured_range_is_refused_before_the_jo
     assert isinstance(result.exception, ParameterError), result.output
     assert words in str(result.exception)
     assert not enabled
+
+
+def test_a_run_is_shown_live_and_says_where(tmp_path: Path, model: Path) -> None:
+    short = ["--frequency", "4", "--cycles", "1", "--amplitude", "0.01", "--out", str(tmp_path / "run")]
+    result = CliRunner().invoke(app, ["run", str(model), *short, "--live", "--json"])
+    assert result.exit_code == 0, result.output
+    assert re.search(r"Live page, with a stop: http://127\.0\.0\.1:\d+/[\w-]{20,}/\n", result.stderr)
+    answer = json.loads(result.stdout)
+    assert answer["joints"] == ["joint"]
+    assert answer["with"]["rms_error"][0] > 0.0
+    assert "RMS tracking error" in (tmp_path / "run" / "run.html").read_text()
+
+
+def test_the_log_of_a_run_is_read_by_its_library_and_by_convert(tmp_path: Path, model: Path) -> None:
+    reader = pytest.importorskip("mcap.reader")
+    log = tmp_path / "run.mcap"
+    short = ["--frequency", "4", "--cycles", "1", "--amplitude", "0.01", "--out", str(tmp_path / "run")]
+    result = CliRunner().invoke(app, ["run", str(model), *short, "--log", str(log)])
+    assert result.exit_code == 0, result.output
+    with log.open("rb") as stream:
+        messages = [
+            (schema, channel, json.loads(m.data)) for schema, channel, m in reader.make_reader(stream).iter_messages()
+        ]
+    assert len(messages) == 1500
+    schema, channel, last = messages[-1]
+    assert (channel.topic, schema.encoding) == ("/joint_states", "jsonschema")
+    described = json.loads(schema.data)["properties"]["joint"]["properties"]
+    assert (described["torque"]["description"], described["velocity"]["description"]) == ("[N·m]", "[rad/s]")
+    assert last["joint"]["model"] == pytest.approx(0.02 * last["joint"]["velocity"])
+    assert last["joint"]["residual"] == pytest.approx(last["joint"]["torque"] - last["joint"]["model"])
+    again = CliRunner().invoke(
+        app, ["convert", str(log), "--to", "0.7", "--out", str(tmp_path / "back.csv"), "--force"]
+    )
+    assert again.exit_code == 0, again.output
+    back, kept = (
+        read_recording(tmp_path / "back.csv"),
+        read_recording(tmp_path / "run" / "without_compensation_joint.csv"),
+    )
+    assert back.position == pytest.approx(kept.position[: len(back)], abs=1e-9)
+    assert len(back) == 700
+    refused = CliRunner().invoke(app, ["run", str(model), *short, "--overwrite", "--log", str(tmp_path / "run.bag")])
+    assert "ends in .mcap" in str(refused.exception)

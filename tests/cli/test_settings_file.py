@@ -19,7 +19,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[CalibrationRequest]:
     """What a calibration was asked to be; nothing moves."""
     requests: list[CalibrationRequest] = []
 
-    def noted(request: CalibrationRequest, out: Path, **_: Any) -> None:
+    def noted(request: CalibrationRequest, *_: Any, **__: Any) -> None:
         requests.append(request)
 
     monkeypatch.setattr("fricomp.cli.calibration.start.start_run", noted)

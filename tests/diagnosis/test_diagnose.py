@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose
-from fricomp.diagnosis.effects.structure import Candidate
+from fricomp.diagnosis.effects.structure import Candidate, Structure
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.preparation import prepare
@@ -83,7 +83,7 @@ def test_gravity_held_to_none_about_a_vertical_axis_lets_the_rest_be_fitted() ->
     given = RigidJoint(joint.inertia, (0.0, 0.0), 0.0, 0.0, 0.0, True)
     tracks = build_tracks([recording(joint, "fourier", 20.0)])
     baseline = prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
-    drag = (Candidate("quadratic_drag", (("coefficient", 0.0),)),)
+    drag = Structure(baseline.structure.contexts, (Candidate("quadratic_drag", (("coefficient", 0.0),)),))
     (free,) = fit_from(baseline, [(drag, baseline.fit.theta)], baseline.box)
     (held,) = fit_from(baseline, [(drag, baseline.fit.theta)], hold(baseline.box, given))
     assert held.gain > 0.7 * free.gain

@@ -10,7 +10,7 @@ import pytest
 
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.evaluation import evaluate_arm
-from fricomp.laws import Coulomb, FrictionLaw, LoadCoulomb, LuGre, StribeckCurve, Viscous
+from fricomp.laws import Coulomb, FrictionLaw, LoadCoulomb, LuGre, SpringTorque, StribeckCurve, Viscous
 from fricomp.model import FrictionModel, save_model
 from fricomp.recording import Recording, RecordingMetadata
 
@@ -113,3 +113,16 @@ def test_what_does_not_fit_says_what_to_do(tmp_path: Path) -> None:
         evaluate_arm(path, recordings, friction={"c": FrictionModel(FrictionLaw((Coulomb(1.0),)))})
     with pytest.raises(RecordingError, match=r"state the torque constant"):
         evaluate_arm(path, [one.with_metadata(torque_unit="A") for one in recordings])
+
+
+def test_the_spring_of_a_law_stands_in_place_of_that_of_the_file(tmp_path: Path) -> None:
+    """A file that is written with a spring has it where its friction model has it, too: it pulls once."""
+    path = _write(tmp_path)
+    path.write_text(path.read_text().replace('damping="0.3"', 'stiffness="4" springref="0" damping="0.3"'))
+    terms = [
+        (Coulomb(level), Viscous(drag), *extra)
+        for level, drag, extra in zip(LEVELS, DRAG, ((SpringTorque(4.0, 0.0),), ()), strict=True)
+    ]
+    models = {name: FrictionModel(law=FrictionLaw(one), joint=name) for name, one in zip("ab", terms, strict=True)}
+    found = evaluate_arm(path, _record(path), friction=models)
+    assert all(one.torque.rms < 0.03 * one.torque.recorded for one in found.joints)

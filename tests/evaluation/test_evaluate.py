@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -174,3 +175,29 @@ def test_what_cannot_be_evaluated_says_what_to_do(tmp_path: Path) -> None:
         evaluate(_model("null"), recording.window(0.0, 0.5))
     with pytest.raises(RecordingError, match=r"needs a motion"):
         evaluate(_model("null"), recording.with_channels(position=np.zeros(len(recording))))
+
+
+def test_a_simulation_that_runs_away_warns_nobody_and_leaves_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    import mujoco
+
+    from fricomp.mujoco_warnings import silence_mujoco
+
+    monkeypatch.chdir(tmp_path)
+    heard: list[str] = []
+    mujoco.set_mju_user_warning(heard.append)
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><body><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    try:
+        for quiet in (True, False):
+            data = mujoco.MjData(model)
+            data.qfrc_applied[0] = 1e30
+            with silence_mujoco() if quiet else nullcontext():
+                mujoco.mj_step(model, data)
+            assert bool(heard) is not quiet
+    finally:
+        mujoco.set_mju_user_warning(None)
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []

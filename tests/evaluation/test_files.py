@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.cli.evaluate import app
+from fricomp.cli.main import app
 from fricomp.errors import ModelFileError, RecordingError, SimulationFileError
 from fricomp.evaluation import evaluate, read_model
 from fricomp.evaluation.simulated_joint import read_simulated_joint
@@ -126,11 +126,12 @@ def test_files_that_do_not_fit_say_what_to_do(tmp_path: Path) -> None:
 def test_the_command_prints_and_gives_json(tmp_path: Path) -> None:
     path = _write_arm(tmp_path)
     write_recording(_record(path), tmp_path / "elbow.csv")
-    run = CliRunner().invoke(app, [str(path), str(tmp_path / "elbow.csv"), "--json", "--from", "2", "--to", "11"])
+    asked = ["evaluate", str(path), str(tmp_path / "elbow.csv")]
+    run = CliRunner().invoke(app, [*asked, "--json", "--from", "2", "--to", "11"])
     assert run.exit_code == 0, run.output
     figures = json.loads(run.output)
     assert figures["schema"] == "fricomp.evaluation/1"
     assert figures["torque"]["unit"] == "N·m"
     assert figures["torque"]["duration"] < 9.0
-    shown = CliRunner().invoke(app, [str(path), str(tmp_path / "elbow.csv"), "--band", "10"])
+    shown = CliRunner().invoke(app, [*asked, "--band", "10"])
     assert "in the band from 0 to 10 Hz" in " ".join(shown.output.split())

@@ -12,7 +12,7 @@ from fricomp.calibration import identify
 from fricomp.control import Compensator
 from fricomp.errors import IdentificationError, ParameterError
 from fricomp.fleet import FleetJoint
-from fricomp.fleet.identification import identify_tables
+from fricomp.fleet.identification import identify_tables, write_identification_fleet
 from fricomp.model import FrictionModel, encode_model, load_model
 
 pytest.importorskip("torch")
@@ -109,3 +109,22 @@ def test_degrees_in_a_table_are_in_its_row(tmp_path: Path) -> None:
     (row,) = identify_tables([FleetJoint("a", (path,))], tmp_path / "out", "auto")
     assert row["warnings"].startswith("Careful: ")
     assert "is it in degrees" in row["warnings"]
+
+
+def test_the_page_links_its_joints_and_an_unusable_one_does_not_set_the_scale(tmp_path: Path) -> None:
+    name, deviation = "stribeck.forward.coulomb_torque", "stribeck.forward.coulomb_torque.standard_deviation"
+    given = {"error": "", "seconds": 0.1, "noise": "absolute", "noise_level": 0.01, "torque_unit": "N·m", "message": ""}
+    rows = [
+        {"name": "elbow", "status": "converged", name: 0.3, deviation: 0.01, **given},
+        {"name": "knee", "status": "not_identifiable", name: 7777.0, deviation: 900.0, **given},
+    ]
+    (tmp_path / "elbow").mkdir()
+    (tmp_path / "elbow" / "report.html").write_text("")
+    page = write_identification_fleet(rows, tmp_path).read_text()
+    assert '<a href="elbow/report.html">elbow</a>' in page
+    assert "Not drawn, as their models are not usable: knee." in page
+    assert "1 of 2 not usable" in page
+    chart = page[page.index("Plotly.newPlot(") :]
+    assert "coulomb torque [N" in chart  # the dot of the unit is escaped there
+    assert "knee" not in chart[: chart.index("</script>")]
+    assert "data-filter" in page

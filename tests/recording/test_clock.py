@@ -1,9 +1,14 @@
 """The clock of a log: its error is estimated, and stamps are replaced only where they are wrong."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 
+from fricomp.recording import RecordingWarning, read_recording
 from fricomp.recording.clock import mend_clock
+from fricomp.recording.validity import mend_stamps
 
 from .joint_log import joint_log
 
@@ -54,3 +59,52 @@ def test_two_parts_of_a_log_have_each_their_own_grid() -> None:
     mended, clock = mend_clock(log.with_channels(time=stamps))
     assert clock.mended
     assert np.max(np.abs(np.diff(mended.time)[:2990] - 1.0 / 300.0)) < 1e-5
+
+
+@pytest.mark.parametrize(("rate", "jitter"), [(500.0, 1e-4), (250.0, 3e-4)])
+def test_noise_is_taken_off_a_clock_that_wanders(rate: float, jitter: float) -> None:
+    log = joint_log(24.0, rate, 9)
+    wanders = log.time + 4e-3 * np.sin(0.8 * log.time) + 1e-3 * np.maximum(log.time - 14.0, 0.0)
+    stamps = wanders + np.random.default_rng(10).normal(0.0, jitter, len(log))
+    mended, clock = mend_clock(log.with_channels(time=np.sort(stamps)))
+    assert clock.mended
+    assert clock.error == pytest.approx(jitter, rel=0.15)
+    inner = slice(round(0.5 * rate), -round(0.5 * rate))
+    assert np.std((mended.time - wanders)[inner]) < 0.3 * jitter
+
+
+def test_a_clock_that_wanders_smoothly_keeps_its_stamps() -> None:
+    log = joint_log(20.0, 400.0, 11)
+    wanders = log.with_channels(time=log.time + 2e-3 * np.sin(1.1 * log.time))
+    mended, clock = mend_clock(wanders)
+    assert not clock.mended
+    np.testing.assert_array_equal(mended.time, wanders.time)
+
+
+@pytest.mark.parametrize(("rate", "jitter", "suffix"), [(1000.0, 3e-4, ".csv"), (250.0, 1.4e-3, ".parquet")])
+def test_rows_that_a_clock_stamps_before_those_they_follow_are_kept(
+    rate: float, jitter: float, suffix: str, tmp_path: Path
+) -> None:
+    log = joint_log(20.0, rate, 9)
+    stamps = log.time + np.random.default_rng(10).normal(0.0, jitter, len(log))
+    assert np.any(np.diff(stamps) < 0.0)
+    table = pd.DataFrame({"time": stamps, "position": log.position, "torque": log.torque})
+    path = tmp_path / f"log{suffix}"
+    if suffix == ".csv":
+        table.to_csv(path, index=False)
+    else:
+        table.to_parquet(path)
+    with pytest.warns(RecordingWarning, match="stamped no later than the one before"):
+        read = read_recording(path)
+    assert len(read) == len(log)
+    mended, clock = mend_clock(read)
+    assert clock.mended
+    assert clock.error == pytest.approx(jitter, rel=0.1)
+    assert np.max(np.abs(np.asarray(mended.time) - log.time)) < 0.1 * jitter
+
+
+def test_a_clock_that_was_set_back_is_refused() -> None:
+    time = np.concatenate([np.arange(0.0, 2.0, 0.01), np.arange(1.5, 3.0, 0.01)])
+    channels, found = mend_stamps({"time": time, "position": np.sin(time)})
+    assert not found
+    np.testing.assert_array_equal(channels["time"], time)

@@ -305,7 +305,7 @@ def test_rows_outside_the_source_and_missing_columns_are_refused(tmp_path: Path)
         _one(tmp_path / "log.npz", _NAMED.replace('"tau"', '"effort"'))
     with pytest.raises(RecordingError, match="no source at"):
         _one(tmp_path / "absent.npz", _NAMED)
-    (tmp_path / "log.xyz").write_text("1")
+    (tmp_path / "log.xyz").write_bytes(b"\0\1\2")
     with pytest.raises(RecordingError, match="unknown suffix; name the format"):
         _one(tmp_path / "log.xyz", _NAMED)
 
@@ -341,3 +341,13 @@ def test_names_without_a_header_line_are_refused_with_what_to_set(tmp_path: Path
     _write_text(path, ",", "t, q, tau")
     with pytest.raises(RecordingError, match=r"no column is called .*: set header = true"):
         convert(path, _mapping(_NAMED))
+
+
+def test_a_scaled_number_that_was_read_as_unsigned_is_read_by_its_range(tmp_path: Path) -> None:
+    torque = 0.00269 * np.mod(np.array([3.0, -5.0, 0.0, -200.0]), 2**16)
+    np.savez(tmp_path / "log.npz", t=np.arange(4) / 50.0, q=np.zeros(4), tau=1e3 * torque)
+    rule = 'tau = { column = "tau", unit = "mNm", signed_range = 176.29 }'
+    text = _NAMED.replace('torque = { column = "tau" }', rule.replace("tau =", "torque ="))
+    assert "signed_range" in text
+    found = _one(tmp_path / "log.npz", text)
+    assert found.torque == pytest.approx([0.00269 * k for k in (3, -5, 0, -200)], abs=2e-3)

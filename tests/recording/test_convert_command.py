@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.cli.convert import convert
-from fricomp.errors import OutputError, RecordingError
+from fricomp.errors import FricompError, OutputError, RecordingError
 from fricomp.recording import read_recording
 
 MAPPING = """
@@ -57,9 +57,18 @@ def test_native_recordings_change_their_format_without_a_mapping(source: Path) -
     assert first.content_hash == second.content_hash
 
 
+def test_a_joint_that_is_refused_costs_the_others_nothing(source: Path) -> None:
+    arguments = (source, "--mapping", source.with_name("robot.toml"), "--out", source.with_name("leg.csv"))
+    some = _convert(*arguments)
+    assert some.returncode == 1
+    assert "knee: not written: column torque" in some.stdout
+    assert "flip its sign" in some.stdout
+    assert [path.name for path in source.parent.glob("leg*")] == ["leg_hip.csv"]
+
+
 def test_flipped_torque_is_status_2_without_force_and_nothing_is_written(source: Path) -> None:
     arguments = (source, "--mapping", source.with_name("robot.toml"), "--out", source.with_name("leg.csv"))
-    refused = _convert(*arguments)
+    refused = _convert(*arguments, "--only", "knee")
     assert refused.returncode == 2
     assert "knee: column torque" in refused.stderr
     assert "flip its sign" in refused.stderr
@@ -78,7 +87,7 @@ def test_flipped_torque_is_status_2_without_force_and_nothing_is_written(source:
         ("log.npz", "a.csv", "robot.toml", ["wrist"], "valid are hip, knee"),
         ("log.npz", "a.xlsx", "robot.toml", ["hip"], "is neither .csv"),
         ("log.npz", "a.csv", "nowhere", [], "no mapping 'nowhere'"),
-        ("log.npz", "a.csv", "", [], "knee: column torque: torque against the motion"),
+        ("log.npz", "a.csv", "", ["knee"], "knee: column torque: torque against the motion"),
         ("log.npz", "log.npz/a.csv", "robot.toml", ["hip"], "cannot make the folder log.npz"),
     ],
 )
@@ -86,7 +95,7 @@ def test_bad_requests_say_what_is_valid(
     source: Path, monkeypatch: pytest.MonkeyPatch, name: str, out: str, mapping: str, only: list[str], message: str
 ) -> None:
     monkeypatch.chdir(source.parent)
-    with pytest.raises(RecordingError, match=message):
+    with pytest.raises(FricompError, match=message):
         convert(Path(name), Path(out), mapping, only)
 
 

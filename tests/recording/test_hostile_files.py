@@ -16,7 +16,7 @@ def _load() -> ModuleType:
 
 
 HOSTILE = _load()
-COUNT = dict.fromkeys(HOSTILE.FORMATS, 150) | {"mat": 6}  # a process a file
+COUNT = dict.fromkeys(HOSTILE.FORMATS, 150) | {"mat": 6, "mat-bare": 6}  # a process a file
 
 
 @pytest.mark.parametrize("name", HOSTILE.FORMATS)

@@ -3,18 +3,25 @@
 import json
 import re
 import struct
+from base64 import b64decode
 from collections.abc import Callable
 from dataclasses import replace
+from gzip import decompress
+from hashlib import sha256
+from html import escape
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from plotly.offline import get_plotlyjs_version
 
 from fricomp.errors import ParameterError
-from fricomp.report import Bars, Chart, Check, HeatMap, Panel, ReportPage, Section, Table, draw_png, write_report
-from fricomp.report.interactive import draw_interactive
+from fricomp.report import Bars, Chart, Check, HeatMap, Line, Panel, ReportPage, Section, Table, draw_png, write_report
+from fricomp.report.interactive import draw_interactive, plotly_script
+from fricomp.report.page import describe_chart
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +44,20 @@ def test_the_page_loads_nothing_from_elsewhere(html: Path) -> None:
     assert not [tag for tag in tags if "src=" in tag or "href=" in tag]
 
 
-def test_plotly_is_inlined_once(html: Path) -> None:
-    assert html.read_text().count("plotly.js v") == 1
+def test_the_page_carries_plotly_once_packed_and_is_small(html: Path) -> None:
+    """Which leaves more than a megabyte for the data of its charts."""
+    assert html.read_text().count(plotly_script()) == 1
+    assert html.stat().st_size < 800_000
+
+
+def test_the_script_is_the_published_part_of_the_plotly_that_is_pinned() -> None:
+    script = decompress(b64decode(plotly_script()))
+    assert sha256(script).hexdigest() == "79542150855a52c567260e3137095dbe2b744e6d702a5cabe67da246942fba7a"
+    named = re.match(rb"/\*\*\n\* plotly\.js \(cartesian - minified\) v([0-9.]+)\n", script)
+    assert named is not None
+    lock = (Path(__file__).parents[2] / "requirements.lock").read_text("utf-8").split()
+    if f"plotly=={version('plotly')}" in lock:
+        assert named[1].decode() == get_plotlyjs_version()
 
 
 def test_summary_comes_before_the_sections_and_text_is_escaped(html: Path) -> None:
@@ -140,3 +159,68 @@ def test_the_browser_tells_of_a_broken_script_and_of_what_a_page_fetches(
     shown = open_page(page)
     assert "missing is not defined" in shown.complaints[0]
     assert shown.fetched == (address,)
+
+
+def test_what_is_not_usable_says_so_first_and_in_colour(tmp_path: Path) -> None:
+    page = ReportPage("Joint", ("The points do not say it.",), (), outcome="failed", verdict="Not usable")
+    text = write_report(page, tmp_path / "page.html").read_text()
+    assert '<section class="card summary failed">' in text
+    assert text.index("Not usable") < text.index("The points do not say it.")
+    assert ".failed .verdict { color: var(--bad); }" in text
+
+
+def test_a_chart_has_an_alternative_in_words(html: Path, every_mark: Chart) -> None:
+    text = html.read_text()
+    alternative = describe_chart(every_mark)
+    assert f'<div role="img" aria-label="{escape(alternative)}">' in text
+    assert every_mark.title in alternative
+    for panel in every_mark.panels:
+        assert panel.y_label in alternative
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_charts_have_the_colours_of_the_page(
+    html: Path, open_page: Callable[[Path], Any], scheme: str, tmp_path: Path
+) -> None:
+    shown = html.read_text().replace(
+        "screen and (prefers-color-scheme: dark)", "screen" if scheme == "dark" else "not all"
+    )
+    asked = "dark.matches" if scheme == "light" else "true"
+    page = tmp_path / f"{scheme}.html"
+    page.write_text(shown.replace("if (dark.matches) await dress(false)", f"if ({asked}) await dress(false)"))
+    opened = open_page(page)
+    assert opened.complaints == ()
+    assert ("rgb(28, 33, 40)" in opened.dom) == (scheme == "dark")
+
+
+def test_a_page_is_made_for_phones_and_paper(html: Path) -> None:
+    text = html.read_text()
+    for query in ("@media (max-width: 640px)", "@media print", 'name="viewport"'):
+        assert query in text
+
+
+def test_a_curve_is_kept_in_half_the_room_where_it_looks_the_same() -> None:
+    t = np.linspace(0.0, 60.0, 4000)
+    wave = Chart("wave", "Wave", (Panel((Line(t, np.sin(t)),), "", ""),))
+    stamps = Chart("wave", "Wave", (Panel((Line(t + 1.7e9, np.sin(t)),), "", ""),))
+    (near,), (far,) = _figure(wave)[0], _figure(stamps)[0]
+    assert (near["x"]["dtype"], near["y"]["dtype"]) == ("f4", "f4")
+    assert (far["x"]["dtype"], far["y"]["dtype"]) == ("f8", "f4")
+    drawn = np.frombuffer(b64decode(near["y"]["bdata"]), np.float32)
+    assert np.max(np.abs(drawn - np.sin(t))) < 1e-5
+
+
+def test_on_a_phone_panels_stand_below_each_other_with_one_legend(
+    html: Path, open_page: Callable[[Path], Any], tmp_path: Path
+) -> None:
+    phone = tmp_path / "phone.html"
+    phone.write_text(html.read_text().replace("if (innerWidth < 640)", "if (true)"))
+    wide, narrow = open_page(html), open_page(phone)
+    assert narrow.complaints == ()
+    assert len(_panel_edges(wide.dom)) > len(_panel_edges(narrow.dom)) == 1
+    assert [len(re.findall('<g class="legend[0-9]*"', page.dom)) for page in (wide, narrow)] == [2, 1]
+
+
+def _panel_edges(dom: str) -> set[str]:
+    """Where panels begin on the left."""
+    return set(re.findall(r'<clippath class="axesclip" id="[a-z0-9]+x[0-9]*"><rect x="([0-9.]+)"', dom, re.IGNORECASE))

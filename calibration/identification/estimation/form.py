@@ -24,76 +24,97 @@ from fricomp.laws import (
 
 from .observation import Observations
 
-__all__ = ["LARGEST_DRY", "Basis", "SeparableLaw", "separable_law", "separable_law_names"]
+__all__ = ["LARGEST_DRY", "Basis", "SeparableLaw", "Shapes", "separable_law", "separable_law_names"]
+
+Shapes = tuple[float, ...]
+
+_TINY = 1e-300
 
 
 class Basis(ABC):
-    """Columns of one branch: friction = columns(speed, shape) @ linear parameters, all of them positive.
+    """Columns of one branch: friction = columns(speed, shapes) @ linear parameters, all of them positive.
 
     Attributes:
         dry: Which columns are dry friction, and so follow the normal load.
-        shape_index: Position of the nonlinear parameter among the branch's parameters, or None.
+        shape_index: Positions of the nonlinear parameters, the shapes, among the branch's parameters: the velocity of
+            its bend first, if it has one.
+        bends: What is tried for the shapes beside that velocity where a search starts.
     """
 
     dry: ClassVar[tuple[bool, ...]]
-    shape_index: ClassVar[int | None] = None
+    shape_index: ClassVar[tuple[int, ...]] = ()
+    bends: ClassVar[tuple[Shapes, ...]] = ((),)
 
     @abstractmethod
-    def columns(self, speed: FloatArray, shape: float) -> FloatArray:
+    def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
         """Shape (n_points, n_linear)."""
 
-    def slopes(self, speed: FloatArray, shape: float) -> FloatArray:
-        """Derivative of the columns by log(shape). Shape (n_points, n_linear)."""
-        return np.zeros((len(speed), len(self.dry)))
+    def slopes(self, speed: FloatArray, shapes: Shapes) -> list[FloatArray]:
+        """Derivative of the columns by the logarithm of each shape. Shapes (n_points, n_linear)."""
+        return []
 
 
 class _Stribeck(Basis):
     dry = (True, True, False)
-    shape_index = 2
+    shape_index: ClassVar[tuple[int, ...]] = (2,)
 
-    def columns(self, speed: FloatArray, shape: float) -> FloatArray:
-        g = np.exp(-((speed / shape) ** 2))
+    def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
+        velocity, exponent = _bend_of(shapes)
+        g = np.exp(-((speed / velocity) ** exponent))
         return np.stack([1.0 - g, g, speed], axis=1)
 
-    def slopes(self, speed: FloatArray, shape: float) -> FloatArray:
-        x = (speed / shape) ** 2
-        dg = 2.0 * x * np.exp(-x)
-        return np.stack([-dg, dg, np.zeros_like(speed)], axis=1)
+    def slopes(self, speed: FloatArray, shapes: Shapes) -> list[FloatArray]:
+        velocity, exponent = _bend_of(shapes)
+        x = (speed / velocity) ** exponent
+        fall = x * np.exp(-x)
+        by_shape = (exponent * fall, -np.log(np.maximum(x, _TINY)) * fall)
+        return [np.stack([-dg, dg, np.zeros_like(speed)], axis=1) for dg in by_shape[: len(shapes)]]
+
+
+class _FreeStribeck(_Stribeck):
+    shape_index = (2, 4)
+    bends = ((0.4,), (0.7,), (1.0,), (1.4,), (2.0,), (3.0,))
+
+
+def _bend_of(shapes: Shapes) -> tuple[float, float]:
+    """Stribeck velocity and exponent; the exponent is 2 where it is not free."""
+    velocity, exponent = (*shapes, 2.0)[:2]
+    return velocity, exponent
 
 
 class _Coulomb(Basis):
     dry = (True,)
 
-    def columns(self, speed: FloatArray, shape: float) -> FloatArray:
+    def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
         return np.ones((len(speed), 1))
 
 
 class _CoulombViscous(Basis):
     dry = (True, False)
 
-    def columns(self, speed: FloatArray, shape: float) -> FloatArray:
+    def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
         return np.stack([np.ones_like(speed), speed], axis=1)
 
 
 class _Tanh(Basis):
     dry = (True, False)
-    shape_index = 1
+    shape_index = (1,)
 
-    def columns(self, speed: FloatArray, shape: float) -> FloatArray:
-        return np.stack([np.tanh(speed / shape), speed], axis=1)
+    def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
+        return np.stack([np.tanh(speed / shapes[0]), speed], axis=1)
 
-    def slopes(self, speed: FloatArray, shape: float) -> FloatArray:
-        x = speed / shape
-        return np.stack([-x * (1.0 - np.tanh(x) ** 2), np.zeros_like(speed)], axis=1)
+    def slopes(self, speed: FloatArray, shapes: Shapes) -> list[FloatArray]:
+        x = speed / shapes[0]
+        return [np.stack([-x * (1.0 - np.tanh(x) ** 2), np.zeros_like(speed)], axis=1)]
 
 
 class _Arctan(_Tanh):
-    def columns(self, speed: FloatArray, shape: float) -> FloatArray:
-        return np.stack([2.0 / np.pi * np.arctan(speed / shape), speed], axis=1)
+    def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
+        return np.stack([2.0 / np.pi * np.arctan(speed / shapes[0]), speed], axis=1)
 
-    def slopes(self, speed: FloatArray, shape: float) -> FloatArray:
-        x = speed / shape
-        return np.stack([-2.0 / np.pi * x / (1.0 + x**2), np.zeros_like(speed)], axis=1)
+    def slopes(self, speed: FloatArray, shapes: Shapes) -> list[FloatArray]:
+        x = speed / shapes[0]
+        return [np.stack([-2.0 / np.pi * x / (1.0 + x**2), np.zeros_like(speed)], axis=1)]
 
 
 @dataclass(frozen=True)
@@ -120,12 +141,16 @@ class SeparableLaw:
     @property
     def branch_size(self) -> int:
         """Parameters of one branch."""
-        return len(self.basis.dry) + (self.basis.shape_index is not None)
+        return len(self.basis.dry) + len(self.basis.shape_index)
 
     @property
     def linear_index(self) -> tuple[int, ...]:
         """Positions of the linear parameters within a branch."""
-        return tuple(i for i in range(self.branch_size) if i != self.basis.shape_index)
+        return tuple(i for i in range(self.branch_size) if i not in self.basis.shape_index)
+
+    def shapes_of(self, branch: FloatArray) -> Shapes:
+        """The shapes among the parameters of one branch."""
+        return tuple(float(branch[i]) for i in self.basis.shape_index)
 
     def branches(self, observations: Observations) -> list[np.ndarray[tuple[int], np.dtype[np.bool_]]]:
         """The points of each branch, as masks."""
@@ -149,17 +174,17 @@ class SeparableLaw:
         for k, rows in enumerate(self.branches(observations)):
             at = slice(k * self.branch_size, (k + 1) * self.branch_size)
             branch = values[at]
-            shape = branch[self.basis.shape_index] if self.basis.shape_index is not None else 1.0
+            shapes = self.shapes_of(branch)
             linear = branch[list(self.linear_index)]
-            plain = self.basis.columns(observations.speed[rows], shape)
+            plain = self.basis.columns(observations.speed[rows], shapes)
             factor = self.load_factor(observations.select(np.flatnonzero(rows)), sensitivity)
             columns = plain * factor
             magnitude[rows] = columns @ linear
             block = np.empty((len(plain), self.branch_size))
             block[:, list(self.linear_index)] = columns * linear
-            if self.basis.shape_index is not None:
-                slopes = self.basis.slopes(observations.speed[rows], shape)
-                block[:, self.basis.shape_index] = (slopes * factor) @ linear
+            slopes = self.basis.slopes(observations.speed[rows], shapes)
+            for i, slope in zip(self.basis.shape_index, slopes, strict=True):
+                block[:, i] = (slope * factor) @ linear
             jacobian[rows, at] = block
             if self.sensitivity_name:
                 jacobian[rows, -1] = (plain * (factor - 1.0)) @ linear
@@ -192,10 +217,16 @@ LARGEST_DRY = 10.0
 """Coulomb and static torque are at most this multiple of the largest torque measured [1]."""
 _DRY = ("coulomb_torque", "static_torque")
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
+_FREE_CURVE = (*_CURVE, "stribeck_exponent")
 _ONE = StribeckCurve(1.0, 1.0, 1.0, 1.0)
 _Template = tuple[Basis, tuple[str, ...], bool]
 _FORMS: Mapping[str, _Template] = {
     "stribeck": (_Stribeck(), tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in _CURVE), True),
+    "free_stribeck": (
+        _FreeStribeck(),
+        tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in _FREE_CURVE),
+        True,
+    ),
     "symmetric_stribeck": (_Stribeck(), tuple(f"symmetric_stribeck.curve.{p}" for p in _CURVE), False),
     "coulomb": (_Coulomb(), ("coulomb.coulomb_torque",), False),
     "coulomb_viscous": (_CoulombViscous(), ("coulomb.coulomb_torque", "viscous.viscous_coefficient"), False),
@@ -243,6 +274,7 @@ def _template(name: str, load: LoadScaling) -> FrictionLaw:
     shape: Literal["tanh", "arctan"] = "arctan" if name == "arctan" else "tanh"
     templates = {
         "stribeck": (BidirectionalStribeck(_ONE, _ONE, load),),
+        "free_stribeck": (BidirectionalStribeck(_ONE, _ONE, load),),
         "symmetric_stribeck": (Stribeck(_ONE, load),),
         "coulomb": (Coulomb(1.0, load),),
         "coulomb_viscous": (Coulomb(1.0, load), Viscous(1.0)),

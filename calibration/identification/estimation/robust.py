@@ -171,8 +171,9 @@ def _subset_starts(
 def _branch_starts(
     law: SeparableLaw, points: Observations, first: FloatArray, weight: FloatArray, rng: np.random.Generator
 ) -> list[_Candidate]:
-    shape = float(np.exp(first[law.basis.shape_index])) if law.basis.shape_index is not None else 1.0
-    shapes = shape * np.geomspace(1.0 / _SHAPE_FACTOR, _SHAPE_FACTOR, _SHAPES if law.basis.shape_index else 1)
+    at = law.shapes_of(np.exp(first))
+    factors = np.geomspace(1.0 / _SHAPE_FACTOR, _SHAPE_FACTOR, _SHAPES).tolist()
+    shapes = [(factor * at[0], *at[1:]) for factor in factors] if at else [()]
     found = []
     for _ in range(_SUBSETS):
         half = np.sort(rng.choice(points.size, max(points.size // 2, law.branch_size), replace=False))

@@ -1,4 +1,4 @@
-"""Where to start: variable projection over a grid of the nonlinear parameter, so that no range is asked of the user.
+"""Where to start: variable projection over a grid of the nonlinear parameters, so that no range is asked of the user.
 
 At a fixed Stribeck velocity the curve is linear in its other parameters, whose best positive values are a small
 linear problem [golub1973variable]. A scan of the velocity then sees every basin there is.
@@ -15,7 +15,7 @@ from scipy.optimize import nnls
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-from .form import SeparableLaw
+from .form import SeparableLaw, Shapes
 from .likelihood import Noise
 from .observation import Observations
 
@@ -64,11 +64,12 @@ def project_start(law: SeparableLaw, observations: Observations, noise: Noise, l
     """
     weight, branches = _plain_weight(observations, noise), []
     for k, rows in enumerate(law.branches(observations)):
-        points, shape = observations.select(np.flatnonzero(rows)), 1.0
-        if law.basis.shape_index is not None:
-            given = float(np.exp(logs[k * law.branch_size + law.basis.shape_index]))
-            shape = float(np.clip(given, points.speed.min(), _FASTEST * points.speed.max()))
-        branches.append(project(law, points, weight[rows], shape, robust=False).logs)
+        points = observations.select(np.flatnonzero(rows))
+        shapes = law.shapes_of(np.exp(logs[k * law.branch_size : (k + 1) * law.branch_size]))
+        if shapes:
+            velocity = float(np.clip(shapes[0], points.speed.min(), _FASTEST * points.speed.max()))
+            shapes = (velocity, *shapes[1:])
+        branches.append(project(law, points, weight[rows], shapes, robust=False).logs)
     return with_sensitivity(law, np.concatenate(branches))
 
 
@@ -91,19 +92,26 @@ def _scan(
             f"the law {law.name!r} has {law.branch_size} parameters in {direction} direction and there are "
             f"{points.size} points; measure more speeds, or use a law with fewer parameters"
         )
-    if law.basis.shape_index is None:
-        return [project(law, points, weight, 1.0, robust=robust)]
-    grid = np.geomspace(points.speed.min() / 3.0, points.speed.max() * _FASTEST, _GRID)
-    candidates = [project(law, points, weight, shape, robust=robust) for shape in grid]
+    if not law.basis.shape_index:
+        return [project(law, points, weight, (), robust=robust)]
+    grid = np.geomspace(points.speed.min() / 3.0, points.speed.max() * _FASTEST, _GRID).tolist()
+    candidates = [
+        min((project(law, points, weight, (one, *bend), robust=robust) for bend in law.basis.bends), key=_cost_of)
+        for one in grid
+    ]
     costs = np.array([candidate.cost for candidate in candidates])
     padded = np.concatenate([[np.inf], costs, [np.inf]])
     valleys = np.flatnonzero((costs <= padded[:-2]) & (costs <= padded[2:]))
     return [candidates[i] for i in valleys[np.argsort(costs[valleys])][:_BASINS]]
 
 
-def project(law: SeparableLaw, points: Observations, weight: FloatArray, shape: float, *, robust: bool) -> _Candidate:
-    """Best positive linear parameters at a fixed shape, in least squares or least absolute values."""
-    columns = law.basis.columns(points.speed, shape) * law.load_factor(points, 1.0) * weight[:, None]
+def _cost_of(candidate: _Candidate) -> float:
+    return candidate.cost
+
+
+def project(law: SeparableLaw, points: Observations, weight: FloatArray, shapes: Shapes, *, robust: bool) -> _Candidate:
+    """Best positive linear parameters at fixed shapes, in least squares or least absolute values."""
+    columns = law.basis.columns(points.speed, shapes) * law.load_factor(points, 1.0) * weight[:, None]
     target = points.magnitude * weight
     scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
     linear, cost = nnls(columns / scale, target)
@@ -112,8 +120,7 @@ def project(law: SeparableLaw, points: Observations, weight: FloatArray, shape: 
     floor = _SMALLEST * np.linalg.norm(target) + 1e-12
     values = np.empty(law.branch_size)
     values[list(law.linear_index)] = np.maximum(linear, floor) / scale
-    if law.basis.shape_index is not None:
-        values[law.basis.shape_index] = shape
+    values[list(law.basis.shape_index)] = shapes
     return _Candidate(float(cost), np.log(values))
 
 

@@ -23,9 +23,9 @@ _POINTS_A_WAVE = 4
 """Free points for each cosine of a direction: both directions' take at most half of what the law leaves."""
 _NEW = 0.03
 """Root mean square of a cosine's part that the law cannot follow, below which it is none."""
-_SLOWER, _FASTER = 0.25, 4.0
-"""Stribeck velocities, over the slowest and the fastest speed measured, that stand for zero and infinity. At the
-first one, the curve above the slowest speed is as good as without a Stribeck effect: exp(-16)."""
+_NONE, _SLOWER, _FASTER = 1e-3, 0.25, 4.0
+"""Stribeck velocities, over the slowest and the fastest speed measured, that stand for none, zero and infinity. At the
+second, the curve above the slowest speed is as good as without a Stribeck effect: exp(-16)."""
 _SHOWN = 0.99
 """Confidence at which a Stribeck effect is shown, in each direction. Its velocity means nothing without it, so that a
 search over velocities gains more by chance than one parameter would: a chi-square of two fits what was simulated."""
@@ -97,11 +97,12 @@ def find_open_bends(found: Optimum, form: SeparableLaw, points: Observations) ->
     A standard deviation comes from the curvature at the optimum, which may be sharp where the profile levels off soon
     after. At a fixed velocity the curve is linear, so that the ends cost next to nothing; weights are held.
     """
-    if form.basis.shape_index is None:
+    if not form.basis.shape_index:
         return []
     variance = found.noise.variance(found.whitened.residual, len(found.logs))
     freedom = max(points.total - len(found.logs), 1)
-    bounded, shown = float(fisher.ppf(_BOUNDED, 1, freedom)), 2.0 * float(fisher.ppf(_SHOWN, 2, freedom))
+    lost = 1 + len(form.basis.shape_index)  # what a curve without a bend has less: its rise, and the shapes
+    bounded, shown = float(fisher.ppf(_BOUNDED, 1, freedom)), lost * float(fisher.ppf(_SHOWN, lost, freedom))
     bends = []
     for branch, rows in enumerate(form.branches(points)):
         best = float(np.sum(found.whitened.residual[rows] ** 2))
@@ -122,10 +123,13 @@ def _bend_costs(
     factor = form.load_factor(some, float(np.exp(found.logs[-1])) if form.sensitivity_name else 1.0)
     low, high = float(some.speed.min()), float(some.speed.max())
     costs = []
-    for shape in (1e-3 * low, _SLOWER * low, _FASTER * high):
-        columns = form.basis.columns(some.speed, shape) * factor * weight[:, None]
-        _, norm = nnls(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-12), some.magnitude * weight)
-        costs.append(float(norm) ** 2)
+    for velocity in (_NONE * low, _SLOWER * low, _FASTER * high):
+        at_it = []
+        for bend in form.basis.bends:
+            columns = form.basis.columns(some.speed, (velocity, *bend)) * factor * weight[:, None]
+            _, norm = nnls(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-12), some.magnitude * weight)
+            at_it.append(float(norm) ** 2)
+        costs.append(at_it[-1] if velocity == _NONE * low else min(at_it))
     return costs
 
 

@@ -19,7 +19,7 @@ from .verdict import covariance_of
 
 __all__ = ["BENT", "BootstrapSample", "Interval", "block_bootstrap", "profile_interval", "profile_likelihood"]
 
-BENT = ("coulomb_torque", "static_torque", "velocity")
+BENT = ("coulomb_torque", "static_torque", "velocity", "exponent")
 """Ends of the names of parameters of a curve that bends, whose likelihood need not be quadratic."""
 _FARTHEST = 8.0
 """Search an interval's ends up to this many standard deviations of the logarithm."""

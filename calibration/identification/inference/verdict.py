@@ -178,9 +178,9 @@ def nearest_rival(optimum: Optimum) -> float:
     return min((gap for gap in gaps if gap > BASIN_GAP), default=np.inf)
 
 
-_BELOW = ("static_torque", "stribeck_velocity", "smoothing_velocity")
+_BELOW = ("static_torque", "stribeck_velocity", "stribeck_exponent", "smoothing_velocity")
 """Parameters that show at low speeds."""
-_ABOVE = ("coulomb_torque", "stribeck_velocity", "smoothing_velocity")
+_ABOVE = ("coulomb_torque", "stribeck_velocity", "stribeck_exponent", "smoothing_velocity")
 """Parameters that only show where the curve has bent."""
 
 

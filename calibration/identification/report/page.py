@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.control.compensation.trust import find_doubt_in_status
+from fricomp.overview import AT_BOUND
 from fricomp.recording.parts.data_chart import build_data_table, draw_data_chart
 from fricomp.recording.parts.parts import UsableParts
 from fricomp.report import (
@@ -29,7 +30,7 @@ from ..result import IdentificationResult
 from ..status import Status
 from .chart import network_note, training_chart
 
-__all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
+__all__ = ["identification_charts", "judge_status", "parameter_rows", "write_identification_report"]
 
 _SEES_STATIC = 0.5
 """Slowest speed over Stribeck velocity up to which points show the static torque: exp(-1/4) = 78 % of what it adds."""
@@ -74,8 +75,17 @@ def write_identification_report(
         summary=(f"{result.message[0].upper()}{result.message[1:]}.", *notes),
         sections=sections,
         facts={"points": str(result.observations.size), "method": result.method, "noise": result.noise.kind},
+        outcome=judge_status(result.status)[0],
+        verdict=judge_status(result.status)[1],
     )
     return write_report(page, folder / "report.html")
+
+
+def judge_status(status: Status) -> tuple[Outcome, str]:
+    """What the first card of a report says of a status: whether the model may be used, in a word or two."""
+    if find_doubt_in_status(status, "") is not None:
+        return "failed", "Not usable"
+    return ("passed", "Usable") if status is Status.CONVERGED else ("warning", "Usable with care")
 
 
 def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
@@ -84,7 +94,10 @@ def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
     for name in result.parameter_names:
         plain = result.interval(name)
         profile = _between(*vars(result.profiles[name]).values()) if name in result.profiles else ""
-        rows.append((name, f"{result.parameters[name]:.5g}", _between(plain.lower, plain.upper), profile, units[name]))
+        value, ends = f"{result.parameters[name]:.5g}", _between(plain.lower, plain.upper)
+        if name in result.at_bound:  # what has shrunk to nothing is not printed as 1e-12
+            value, ends, profile = f"{round(result.parameters[name], 9):.5g}", f"{ends}, {AT_BOUND}", ""
+        rows.append((name, value, ends, profile, units[name]))
     return tuple(rows)
 
 
@@ -124,9 +137,7 @@ def _choose_shown(points: Observations) -> slice:
 
 
 def _checks(result: IdentificationResult) -> tuple[Check, ...]:
-    status: Outcome = "passed" if result.status is Status.CONVERGED else "warning"
-    if find_doubt_in_status(result.status, "") is not None:
-        status = "failed"
+    status, _ = judge_status(result.status)
     choice = (
         f"{result.noise.kind} noise, level {result.noise.level:.4g}; the next best noise model is less likely by "
         f"{result.noise.evidence:.2g} nats"

@@ -13,6 +13,7 @@ from fricomp.recording import RecordingMetadata
 from ..planning.plan import Travel, travel_of
 from ..planning.settings import SweepSettings
 from ..rigid_body import RigidBody
+from ..watch import SweepWatch
 from .velocity_loop import DriveLoop, HostLoop, LimpLoop, VelocityLoop
 
 __all__ = ["HOST_RATE", "SweepContext", "loop_period"]
@@ -36,12 +37,14 @@ class SweepContext:
         joint: Index of the joint.
         settings: As chosen.
         body: Rigid-body model of the arm; None where gravity and inertia are unknown.
+        watch: Is shown what the sweep records; None where nobody watches.
     """
 
     adapter: JointAdapter
     joint: int
     settings: SweepSettings
     body: RigidBody | None = None
+    watch: SweepWatch | None = None
 
     def choose_mode(self) -> CommandMode:
         """The command mode of the velocity loop.

@@ -168,9 +168,9 @@ class MotionRunner:
     def _refuse_faults(self) -> None:
         self._refuse_trip()
         if any(self.feedback.fault):
-            codes = ", ".join(f"{fault:#x}" for fault in self.feedback.fault)
+            told = self._adapter.describe_faults(self.feedback.fault)
             raise SweepAborted(
-                f"the drives report faults ({codes}): find the cause, then clear them with fricomp adapter clear"
+                f"the drives report faults ({told}): find the cause, then clear them with fricomp adapter clear"
             )
 
     def _refuse_trip(self) -> None:

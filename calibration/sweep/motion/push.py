@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,8 @@ RISE = 3.0
 # A joint rests that moves by less than this fraction of its travel, or some encoder counts, over a while [s]; a
 # pendulum on a geared joint has come to rest long before the patience ends [s].
 STILL, COUNTS, WHILE, PATIENCE = 1e-4, 3, 0.3, 30.0
+# A joint that was torn loose is looked at so often, and not longer, until its friction has brought it to rest [s].
+GLIMPSE, LONGEST_COAST = 0.05, 2.0
 
 
 class Push(NamedTuple):
@@ -60,7 +63,7 @@ def await_rest(runner: MotionRunner, travel: Travel, joint: str) -> None:
         SweepAborted: It does not.
         AdapterError: The bus failed.
     """
-    still = max(STILL * travel.length, COUNTS * travel.quantum)
+    still = _find_still(travel)
     for _ in range(round(PATIENCE / WHILE)):
         seen = runner.watch(WHILE).position
         if len(seen) > 1 and float(np.ptp(seen)) < still:
@@ -70,6 +73,8 @@ def await_rest(runner: MotionRunner, travel: Travel, joint: str) -> None:
 
 def push_joint(runner: MotionRunner, context: SweepContext, travel: Travel) -> Push:
     """Let the torque of the joint rise until it has moved a little, towards the middle of its travel, then none at all.
+
+    The joint comes to rest by itself where its friction does it: not energised at the end.
 
     Raises:
         ParameterError: Nothing is known that would hold the other joints of an arm.
@@ -87,8 +92,36 @@ def push_joint(runner: MotionRunner, context: SweepContext, travel: Travel) -> P
         return base + direction * limit * time / RISE
 
     log = runner.apply_torque(torque)
-    runner.stop()  # at once: the last torque has torn the joint loose, and no loop may be closed over unknown signs
-    return Push(log, limit, has_moved=abs(runner.position - start) > enough)
+    has_moved = abs(runner.position - start) > enough
+    if has_moved:
+        _coast(runner, _find_still(travel), base)
+    runner.stop()  # no loop may be closed over unknown signs
+    return Push(log, limit, has_moved)
+
+
+def _find_still(travel: Travel) -> float:
+    """Distance that a joint at rest may seem to move [rad] or [m]."""
+    return max(STILL * travel.length, COUNTS * travel.quantum)
+
+
+def _coast(runner: MotionRunner, still: float, base: float) -> None:
+    """Let go of a joint that the last torque has torn loose, at the torque `base`, as long as that slows it down.
+
+    A drive's own loop would brake it with more torque than its limit. One that falls gains speed, and is left to the
+    loop at once.
+
+    Raises:
+        SweepAborted: The safety gate has tripped.
+        AdapterError: The bus failed.
+    """
+    before = inf
+    for _ in range(round(LONGEST_COAST / GLIMPSE)):
+        start = runner.position
+        runner.apply_torque(lambda time: base if time < GLIMPSE else None)
+        moved = abs(runner.position - start)
+        if moved < still or moved > before + still:
+            return
+        before = moved
 
 
 def _gravity_here(runner: MotionRunner, context: SweepContext) -> float:

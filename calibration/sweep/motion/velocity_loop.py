@@ -56,6 +56,7 @@ class DriveLoop(VelocityLoop):
 
     def command(self, joint: int, velocity: float, feedback: JointFeedback, out: JointCommand) -> None:
         """Fill in the reference of the mode in use."""
+        out.torque[:] = [0.0] * len(self._position)  # else the push of the sign check would stay as feed-forward
         out.velocity[:] = [0.0] * len(self._position)
         out.velocity[joint] = velocity
         self._position[joint] += velocity * self._period

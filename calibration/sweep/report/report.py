@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.overview import AT_BOUND
 from fricomp.report import Chart, Check, ReportPage, Section, Table, draw_png, write_report
 
 from ...identification.report.chart import REACH, network_note, words
+from ...identification.report.page import judge_status
 from ..calibrate import Calibration, mean_relative_deviation
 from .chart import calibration_charts
 
@@ -41,14 +43,15 @@ def parameter_table(calibration: Calibration) -> Table:
     units, rows = result.model.units(), []
     for name in result.parameter_names:
         interval, value = result.interval(name), result.parameters[name]
+        at_bound = name in result.at_bound
         digits = _digits(value, interval.upper - interval.lower)
         rows.append(
             (
                 words(name),
                 f"{value:.{digits}f}",
-                f"{interval.lower:.{digits}f} to {interval.upper:.{digits}f}",
+                f"{interval.lower:.{digits}f} to {interval.upper:.{digits}f}{f', {AT_BOUND}' if at_bound else ''}",
                 units[name],
-                f"{result.standard_deviations[name] / value:.2%}",
+                "–" if at_bound else f"{result.standard_deviations[name] / value:.2%}",
             )
         )
     return Table(("parameter", "value", "95 % interval", "unit", "standard deviation"), tuple(rows))
@@ -87,6 +90,8 @@ def calibration_page(
             "mean standard deviation": f"{mean_relative_deviation(calibration.estimate):.2%}",
             "method": f"{result.method}, {result.status}",
         },
+        outcome=judge_status(result.status)[0],
+        verdict=judge_status(result.status)[1],
     )
 
 

@@ -19,10 +19,10 @@ import numpy as np
 from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 
-from ..inertia import N_INERTIA, LinkCoordinates
 from ..prior import ArmPrior
-from ..regressor import compute_regressor
-from ..simulated_arm import SimulatedArm
+from ..rigid.inertia import N_INERTIA, LinkCoordinates
+from ..rigid.regressor import compute_regressor
+from ..rigid.simulated_arm import SimulatedArm
 from .fourier import FourierMotion
 from .limits import SPEED_SHARE, ContactCheck, MotionLimits
 

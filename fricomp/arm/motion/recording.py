@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fricomp.adapters import JointAdapter
-from fricomp.control import ArmLoad, ControlLoop, LoopLog, ReferenceState
+from fricomp.control import ArmLoad, ControlLoop, ReferenceState
+from fricomp.control.loop.loop_log import LoopLog
 from fricomp.errors import ParameterError
 from fricomp.joint import JointFeedback, await_feedback
 from fricomp.laws import FloatArray

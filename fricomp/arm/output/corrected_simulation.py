@@ -14,7 +14,7 @@ from fricomp.simulation_file import read_specification
 
 from ..answer import ArmAnswer
 from ..friction_model import build_friction_model
-from ..inertia import can_exist, split_inertia
+from ..rigid.inertia import can_exist, split_inertia
 
 __all__ = ["correct_simulation"]
 

@@ -4,47 +4,48 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from fricomp.diagnosis.report import write_diagnosis
 from fricomp.errors import FricompError
-from fricomp.model import save_model
 from fricomp.report import draw_png, write_report
-from fricomp.results import plain_name
+from fricomp.results import DIAGNOSIS, find_results, plain_name
 from fricomp.whole_file import write_whole
 
 from ..examination import ArmExamination
-from ..friction_model import build_friction_model
 from ..record import save_arm_record
+from .choice import WrittenFiles
 from .corrected_simulation import correct_simulation
+from .joint_diagnosis import diagnose_joints
 from .page import build_arm_page, draw_arm_charts
 
 __all__ = ["write_arm"]
 
 
-def write_arm(examination: ArmExamination, folder: Path, simulation: str | Path) -> list[Path]:
+def write_arm(examination: ArmExamination, folder: Path, simulation: str | Path, written: WrittenFiles) -> list[Path]:
     """Write everything.
 
     Args:
         examination: The answer.
         folder: Where to.
         simulation: The file that was compared.
+        written: What the corrected simulation and the friction models are made of, and what they are worth.
 
     Returns:
         The files, in the order of writing.
     """
-    for old in sorted(folder.glob("joints/*/friction.json")):
-        old.unlink()  # of joints that another log had
-    record, found = examination.record, examination.answer.identification
+    _remove_joints(folder / "joints")
+    record, made = examination.record, written.answer
     files, notes = [folder / "arm.json"], ["arm.json: this page in numbers (fricomp.arm/1)."]
     save_arm_record(record, files[0])
-    for j, joint in enumerate(record.joints):
-        path = folder / "joints" / plain_name(joint.name) / "friction.json"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        save_model(build_friction_model(found, j), path)
-        files.append(path)
+    facts = {"simulation": str(simulation)}
+    for diagnosis in diagnose_joints(examination, written):
+        own = folder / "joints" / plain_name(diagnosis.record.joint)
+        files += write_diagnosis(diagnosis, own, facts=facts, pictures=False).files
     notes.append(
-        "joints/NAME/friction.json: the friction of each joint, for fricomp export, check-loop and Compensator."
+        "joints/NAME: report.html and diagnosis.json of each joint, and its friction.json for fricomp export, "
+        "check-loop and Compensator."
     )
     try:
-        text, lost = correct_simulation(examination.answer, simulation)
+        text, lost = correct_simulation(made, simulation)
         write_whole(folder / "arm.xml", text)
         files.append(folder / "arm.xml")
         notes.append("arm.xml: the simulation with these links, rotors and friction; without meshes.")
@@ -57,3 +58,10 @@ def write_arm(examination: ArmExamination, folder: Path, simulation: str | Path)
         files.append(folder / f"{name}.png")
     files.append(write_report(build_arm_page(examination, charts, tuple(notes)), folder / "report.html"))
     return files
+
+
+def _remove_joints(folder: Path) -> None:
+    """Remove the diagnoses of joints that another log had."""
+    for joint in sorted(folder.iterdir()) if folder.is_dir() else ():
+        for name in find_results(joint, DIAGNOSIS) if joint.is_dir() and not joint.is_symlink() else ():
+            (joint / name).unlink()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
+from fricomp.results import plain_name
 
 from ..examination import ArmExamination
 from ..record import ArmRecord
@@ -21,6 +23,7 @@ __all__ = [
 ]
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
+_TO_JOINTS = "Each joint has a page of its own, behind its name: where its mismatch sits, and what the effects explain."
 _MOST_JOINTS = 8
 """Joints whose torques are drawn: more would be too small to look into."""
 
@@ -73,7 +76,7 @@ def build_file_table(record: ArmRecord) -> Table | None:
             joint.name,
             f"{files.torque_simulation:.3g} → {files.torque:.3g} {joint.unit}",
             f"{files.torque_fit:.3g} {joint.unit}",
-            *(f"{1e3 * at.simulation:.3g} → {1e3 * at.files:.3g} m{at.unit}" for at in files.positions),
+            *(_show_way(at.simulation, at.files, at.unit) for at in files.positions),
         )
         for joint, files in known
     )
@@ -94,8 +97,10 @@ def draw_arm_charts(examination: ArmExamination) -> dict[str, Chart]:
 def build_arm_page(examination: ArmExamination, charts: Mapping[str, Chart], notes: tuple[str, ...]) -> ReportPage:
     """The page."""
     record = examination.record
+    links = {joint.name: f"joints/{plain_name(joint.name)}/report.html" for joint in record.joints}
+    table = replace(build_joint_table(record), links=links)
     sections = [
-        Section("Joint by joint", (build_joint_table(record), charts["errors"], build_friction_table(record))),
+        Section("Joint by joint", (_TO_JOINTS, table, charts["errors"], build_friction_table(record))),
         *([Section("The written files", (files,))] if (files := build_file_table(record)) is not None else []),
         Section("Link by link", (build_link_table(record),)),
         Section("Before and after", (charts["residuals"],)),
@@ -140,6 +145,12 @@ def _draw_residuals(examination: ArmExamination) -> Chart:
         panels.append(Panel(marks, title=name, x_label="time [s]", y_label=f"missing torque [{unit}]"))
     caption = "What links and rotors leave is friction; what the model leaves should look like noise."
     return Chart("residuals", "Missing torque over time", tuple(panels), caption=caption, share_x=True)
+
+
+def _show_way(before: float, after: float, unit: str) -> str:
+    """Two errors of a position [rad] or [m], in thousandths where both are less than one."""
+    factor, called = (1.0, unit) if max(before, after) >= 1.0 else (1e3, f"m{unit}")
+    return f"{factor * before:.3g} → {factor * after:.3g} {called}"
 
 
 def _show(value) -> str:  # type: ignore[no-untyped-def]

@@ -37,16 +37,18 @@ def adapters(
     no reason, a calibration does not agree, something foreign was raised, a healthy joint was stopped, or torque went
     beyond the gate's limit.
     """
-    from fricomp.cli.bench.outcome import begin_study, end_study
+    from fricomp.cli.bench.outcome import claim_study, end_study
     from fricomp.extras import require
     from fricomp.sim_bench.studies.adapters.outcome import summarise_adapters
     from fricomp.sim_bench.studies.adapters.peers import PEER_MODULES
+    from fricomp.sim_bench.studies.kit.outcome import write_outcome
 
-    begin_study(out, overwrite=overwrite)
-    require(*PEER_MODULES, extra="dev")
-    require("serial")
-    full = 20_000 if quick else 1_000_000
-    end_study(summarise_adapters(_measure(commands, frames or full, ticks or full, only, quick)), out)
+    with claim_study(out, "serial", overwrite=overwrite):
+        require(*PEER_MODULES, extra="dev")
+        full = 20_000 if quick else 1_000_000
+        outcome = summarise_adapters(_measure(commands, frames or full, ticks or full, only, quick))
+        write_outcome(outcome, out)
+    end_study(outcome, out)
 
 
 def _measure(n_commands: int, n_frames: int, n_ticks: int, only: str, quick: bool) -> AdapterFigures:

@@ -24,21 +24,20 @@ def calibrate(
     from fricomp.calibration.sweep.benchmark import study_seeds
     from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.terminal import console, progress
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_file
     from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
 
-    require_free_file(out / "bench-calibrate.json", overwrite=overwrite)
-
-    with progress() as bar:
-        task = bar.add_task("starting", total=1.0)
-        study = study_seeds(
-            lambda seed: SimulatedJointAdapter(default_joint(seed=seed)),
-            DEFAULT_LAW,
-            range(first_seed, first_seed + (2 if quick else seeds)),
-            out,
-            lambda text, done: bar.update(task, description=text, completed=done),
-        )
-    console().print(seed_table(study, f"{len(study.statuses)} seeds, default joint"))
-    console().print(f"Coverage {study.coverage():.1%}; identifications: {', '.join(sorted(set(study.statuses)))}")
-    chart = study.chart("Calibrations of the default joint, one point a seed")
-    save_scores(study.to_builtins(), chart, out / "bench-calibrate")
+    with claim_file(out / "bench-calibrate.json", overwrite=overwrite):
+        with progress() as bar:
+            task = bar.add_task("starting", total=1.0)
+            study = study_seeds(
+                lambda seed: SimulatedJointAdapter(default_joint(seed=seed)),
+                DEFAULT_LAW,
+                range(first_seed, first_seed + (2 if quick else seeds)),
+                out,
+                lambda text, done: bar.update(task, description=text, completed=done),
+            )
+        console().print(seed_table(study, f"{len(study.statuses)} seeds, default joint"))
+        console().print(f"Coverage {study.coverage():.1%}; identifications: {', '.join(sorted(set(study.statuses)))}")
+        chart = study.chart("Calibrations of the default joint, one point a seed")
+        save_scores(study.to_builtins(), chart, out / "bench-calibrate")

@@ -29,12 +29,11 @@ def fleet(
     """Identify a fleet of joints in one call and one by one; rates, their ratio, and that both agree."""
     from fricomp.calibration.batch.throughput import measure_throughput
     from fricomp.cli.terminal import console
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_file
     from fricomp.whole_file import write_whole
 
-    require_free_file(out / "throughput.json", overwrite=overwrite)
-
-    found = measure_throughput(joints or (500 if quick else 5000), single=single, seed=seed, device=device)
-    figures = asdict(found) | {"ratio": found.ratio}
-    write_whole(out / "throughput.json", json.dumps(figures, indent=1) + "\n")
+    with claim_file(out / "throughput.json", overwrite=overwrite):
+        found = measure_throughput(joints or (500 if quick else 5000), single=single, seed=seed, device=device)
+        figures = asdict(found) | {"ratio": found.ratio}
+        write_whole(out / "throughput.json", json.dumps(figures, indent=1) + "\n")
     console().print(str(found), soft_wrap=True)

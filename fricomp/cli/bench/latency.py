@@ -22,12 +22,14 @@ def latency(
     overwrite: Overwrite = False,
 ) -> None:
     """Costs in units of a bare Stribeck curve in pure math, memory growth, and the timing of a 1 kHz loop."""
-    from fricomp.cli.bench.outcome import begin_study, end_study
+    from fricomp.cli.bench.outcome import claim_study, end_study
     from fricomp.cli.terminal import progress
+    from fricomp.sim_bench.studies.kit.outcome import write_outcome
     from fricomp.sim_bench.studies.latency.outcome import N_STEPS, measure_latency
 
-    begin_study(out, overwrite=overwrite)
-    with progress() as bar:
-        task = bar.add_task("latency", total=N_STEPS)
-        outcome = measure_latency(quick=quick, priority=priority, step=lambda: bar.advance(task))
+    with claim_study(out, overwrite=overwrite):
+        with progress() as bar:
+            task = bar.add_task("latency", total=N_STEPS)
+            outcome = measure_latency(quick=quick, priority=priority, step=lambda: bar.advance(task))
+        write_outcome(outcome, out)
     end_study(outcome, out)

@@ -31,22 +31,22 @@ def logs(
     import msgspec
 
     from fricomp.cli.terminal import console, progress
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_file
     from fricomp.sim_bench.studies.logs.trial import list_cases, try_case
     from fricomp.whole_file import write_whole
 
-    require_free_file(out / "figures.json", overwrite=overwrite)
-    total = count or (_QUICK if quick else _FULL)
-    trials = []
-    with progress() as bar:
-        task = bar.add_task("logs", total=total)
-        for case in list_cases(total, seed):
-            trials.append(try_case(*case))
-            bar.advance(task)
-    outcomes = Counter(trial.outcome for trial in trials)
-    missed = [trial for trial in trials if not trial.is_good]
-    figures = {"logs": total, "seed": seed, "outcomes": outcomes, "missed": missed}
-    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+    with claim_file(out / "figures.json", overwrite=overwrite):
+        total = count or (_QUICK if quick else _FULL)
+        trials = []
+        with progress() as bar:
+            task = bar.add_task("logs", total=total)
+            for case in list_cases(total, seed):
+                trials.append(try_case(*case))
+                bar.advance(task)
+        outcomes = Counter(trial.outcome for trial in trials)
+        missed = [trial for trial in trials if not trial.is_good]
+        figures = {"logs": total, "seed": seed, "outcomes": outcomes, "missed": missed}
+        write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
     show = console()
     good = total - len(missed)
     show.print(f"{good} of {total} logs ({100.0 * good / total:.2f} %) gave the right friction or named a flaw.")

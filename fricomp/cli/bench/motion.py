@@ -28,27 +28,26 @@ def motion(
     """
     from fricomp.calibration.motion.benchmark import study_motions
     from fricomp.cli.bench.seed_table import save_scores, seed_table
-    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console, progress
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_file
 
-    require_free_file(out / "bench-motion.json", overwrite=overwrite)
-
-    make_folder(out)
-    with progress() as bar:
-        task = bar.add_task("starting", total=1.0)
-        study = study_motions(
-            range(first_seed, first_seed + (2 if quick else seeds)),
-            lambda text, done: bar.update(task, description=text, completed=done),
+    with claim_file(out / "bench-motion.json", overwrite=overwrite):
+        with progress() as bar:
+            task = bar.add_task("starting", total=1.0)
+            study = study_motions(
+                range(first_seed, first_seed + (2 if quick else seeds)),
+                lambda text, done: bar.update(task, description=text, completed=done),
+            )
+        statuses = study.all.statuses
+        counts = ", ".join(f"{statuses.count(status)} {status}" for status in dict.fromkeys(sorted(statuses)))
+        console().print(f"{len(statuses)} recordings: {counts}")
+        for name, part in study._asdict().items():
+            if not part.statuses:
+                continue
+            console().print(seed_table(part, f"{name} ({len(part.statuses)})", profiles=True))
+            held = f"{sum(s.held for s in part.scores)} of {len(part.scores)}"
+            console().print(f"Hold the truth, by profile likelihood where there is one: {held}")
+        record = {name: part.to_builtins() for name, part in study._asdict().items() if part.statuses}
+        save_scores(
+            record, study.all.chart("Joints from a recorded motion, one point a recording"), out / "bench-motion"
         )
-    statuses = study.all.statuses
-    counts = ", ".join(f"{statuses.count(status)} {status}" for status in dict.fromkeys(sorted(statuses)))
-    console().print(f"{len(statuses)} recordings: {counts}")
-    for name, part in study._asdict().items():
-        if not part.statuses:
-            continue
-        console().print(seed_table(part, f"{name} ({len(part.statuses)})", profiles=True))
-        held = f"{sum(s.held for s in part.scores)} of {len(part.scores)}"
-        console().print(f"Hold the truth, by profile likelihood where there is one: {held}")
-    record = {name: part.to_builtins() for name, part in study._asdict().items() if part.statuses}
-    save_scores(record, study.all.chart("Joints from a recorded motion, one point a recording"), out / "bench-motion")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,11 +12,12 @@ import typer
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.kit.outcome import StudyOutcome
 
-__all__ = ["begin_study", "end_study"]
+__all__ = ["claim_study", "end_study"]
 
 
-def begin_study(out: Path, *packages: str, overwrite: bool) -> None:
-    """Refuse before anything is measured what could not be written after it.
+@contextmanager
+def claim_study(out: Path, *packages: str, overwrite: bool) -> Iterator[None]:
+    """Refuse before anything is measured what could not be written after it, and keep the folder to this process.
 
     Args:
         out: Folder of the results.
@@ -22,21 +25,19 @@ def begin_study(out: Path, *packages: str, overwrite: bool) -> None:
         overwrite: Whether earlier results may be replaced.
     """
     from fricomp.extras import REPORT, require
-    from fricomp.results import FIGURES, require_free
+    from fricomp.results import FIGURES, claim_folder
 
-    require_free(out, FIGURES, overwrite=overwrite)
-    require(*REPORT, *packages)
+    with claim_folder(out, FIGURES, overwrite=overwrite):
+        require(*REPORT, *packages)
+        yield
 
 
-def end_study(outcome: StudyOutcome, out: Path, *, numbered: bool = False) -> None:
-    """Write an outcome, print its tables and sentences, and exit with 1 where a target was missed."""
-    from rich.table import Table as Printed
-
+def end_study(outcome: StudyOutcome, out: Path) -> None:
+    """Print the tables and sentences of an outcome that was written, and exit with 1 where a target was missed."""
+    from fricomp.cli.terminal import Table as Printed
     from fricomp.cli.terminal import console
     from fricomp.report import Table
-    from fricomp.sim_bench.studies.kit.outcome import write_outcome
 
-    write_outcome(outcome, out, numbered=numbered)
     screen = console()
     for section in outcome.sections:
         for block in section.blocks:

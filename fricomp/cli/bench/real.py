@@ -31,9 +31,7 @@ def real(
     """Diagnose recordings that nobody here made, and compare with what is known about them."""
     from datetime import date
 
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console, progress, resumable
+    from fricomp.cli.terminal import Table, console, progress, resumable
     from fricomp.errors import DiagnosisError
     from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.commit import format_measured

@@ -29,9 +29,7 @@ def second_generator(
     overwrite: Overwrite = False,
 ) -> None:
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console, progress, resumable
+    from fricomp.cli.terminal import Table, console, progress, resumable
     from fricomp.errors import DiagnosisError
     from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.folder import claim_run

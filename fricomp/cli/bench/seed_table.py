@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-from rich.table import Table
 
 from fricomp.calibration.seed_study import SeedStudy
+from fricomp.cli.terminal import Table
 from fricomp.report import Chart, draw_png
 from fricomp.whole_file import write_whole
 

@@ -29,20 +29,19 @@ def speed(
 
     from fricomp.cli.terminal import console, progress
     from fricomp.report import draw_png
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_file
     from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
     from fricomp.sim_bench.studies.speed.measure import measure_speed
     from fricomp.sim_bench.studies.speed.page import draw_growth, list_rows, write_page
     from fricomp.whole_file import write_whole
 
-    require_free_file(out / "figures.json", overwrite=overwrite)
-    with progress() as bar, tempfile.TemporaryDirectory() as folder:
-        task = bar.add_task("speed", total=None)
-        figures = measure_speed(Path(folder), quick=quick, progress=lambda what: bar.update(task, description=what))
-    out.mkdir(parents=True, exist_ok=True)
-    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
-    draw_png(draw_growth(figures.growth), out / "growth.png")
-    from rich.table import Table
+    with claim_file(out / "figures.json", overwrite=overwrite):
+        with progress() as bar, tempfile.TemporaryDirectory() as folder:
+            task = bar.add_task("speed", total=None)
+            figures = measure_speed(Path(folder), quick=quick, progress=lambda what: bar.update(task, description=what))
+        write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+        draw_png(draw_growth(figures.growth), out / "growth.png")
+    from fricomp.cli.terminal import Table
 
     table = Table("what", "units", "processor [s]", "passed [s]", "simulated joints")
     for row in list_rows(figures.timings):

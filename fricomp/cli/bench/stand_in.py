@@ -23,18 +23,16 @@ def stand_in(
 ) -> None:
     """Measure creep, passivity, Stribeck curve and speed of the default stand-in joint."""
     import msgspec
-    from rich.table import Table
 
-    from fricomp.cli.terminal import console
-    from fricomp.results import require_free_file
+    from fricomp.cli.terminal import Table, console
+    from fricomp.results import claim_file
     from fricomp.sim_bench.stand_in import default_joint
     from fricomp.sim_bench.stand_in.figures import measure
     from fricomp.whole_file import write_whole
 
-    require_free_file(out / "figures.json", overwrite=overwrite)
-
-    figures = measure(default_joint(), seed=seed, seconds=5.0 if quick else 60.0)
-    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+    with claim_file(out / "figures.json", overwrite=overwrite):
+        figures = measure(default_joint(), seed=seed, seconds=5.0 if quick else 60.0)
+        write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
     table = Table("what", "measured", "at most", title="Stand-in joint")
     table.add_row("creep under 90 % of breakaway", f"{figures.creep:.2g} rad/s", "1e-4 rad/s")
     table.add_row("friction torque × end-of-step velocity", f"{figures.largest_power:.2g} W", "1e-5 W")

@@ -39,9 +39,9 @@ def tracking(
     sines: none, tanh-Coulomb-viscous, Stribeck and the default. robustness: maps over gain, friction and delay. loops:
     margins to the limit cycle. close-loop: calibrate, compensate, record, diagnose, compensate with what was found.
     """
-    from fricomp.cli.bench.outcome import begin_study, end_study
+    from fricomp.cli.bench.outcome import claim_study, end_study
     from fricomp.cli.terminal import progress
-    from fricomp.sim_bench.studies.kit.outcome import StudyOutcome
+    from fricomp.sim_bench.studies.kit.outcome import StudyOutcome, write_outcome
     from fricomp.sim_bench.studies.tracking import JOINTS
     from fricomp.sim_bench.studies.tracking.outcome import (
         TrackingPart,
@@ -51,29 +51,33 @@ def tracking(
         study_sines,
     )
 
-    begin_study(out, overwrite=overwrite)
     amplitudes, bandwidths = ((0.2,), (5.0,)) if quick else ((0.2, 0.5), (5.0, 10.0))
     each = len(JOINTS) * len(bandwidths)
     done: dict[str, TrackingPart] = {}
-    with progress() as bar:
+    with claim_study(out, overwrite=overwrite):
+        with progress() as bar:
 
-        def count(name: str, total: int | None) -> Callable[[], None]:
-            task = bar.add_task(name, total=total)
-            return lambda: bar.advance(task)
+            def count(name: str, total: int | None) -> Callable[[], None]:
+                task = bar.add_task(name, total=total)
+                return lambda: bar.advance(task)
 
-        if not only or Part.sines in only:
-            done["tracking"] = study_sines(amplitudes, bandwidths, count("tracking", each * len(amplitudes)))
-        if not only or Part.robustness in only:
-            axes = _QUICK_AXES if quick else {}
-            done["robustness"] = study_robustness(bandwidths, axes, count("robustness", each))
-        if not only or Part.loops in only:
-            done["loops"] = study_loops(bandwidths, count("loop checks", each))
-        if not only or Part.close_loop in only:
-            task = bar.add_task("close loop", total=None)
-            done["close_loop"] = study_close_loop(
-                bandwidths, out / "close_loop", lambda step: bar.update(task, description=step)
-            )
-    figures = {name: part.figures for name, part in done.items()}
-    summary = ("Tracking on the stand-in joint, with and without friction compensation, and where it wins and loses.",)
-    sections = tuple(part.section for part in done.values())
-    end_study(StudyOutcome("Tracking", summary, figures, sections), out, numbered=True)
+            if not only or Part.sines in only:
+                done["tracking"] = study_sines(amplitudes, bandwidths, count("tracking", each * len(amplitudes)))
+            if not only or Part.robustness in only:
+                axes = _QUICK_AXES if quick else {}
+                done["robustness"] = study_robustness(bandwidths, axes, count("robustness", each))
+            if not only or Part.loops in only:
+                done["loops"] = study_loops(bandwidths, count("loop checks", each))
+            if not only or Part.close_loop in only:
+                task = bar.add_task("close loop", total=None)
+                done["close_loop"] = study_close_loop(
+                    bandwidths, out / "close_loop", lambda step: bar.update(task, description=step)
+                )
+        figures = {name: part.figures for name, part in done.items()}
+        summary = (
+            "Tracking on the stand-in joint, with and without friction compensation, and where it wins and loses.",
+        )
+        sections = tuple(part.section for part in done.values())
+        outcome = StudyOutcome("Tracking", summary, figures, sections)
+        write_outcome(outcome, out, numbered=True)
+    end_study(outcome, out)

@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
-from rich.table import Table
 
 from fricomp.adapters import JointAdapter, open_adapter
 from fricomp.arm.motion import Excitation, MotionLimits, design_excitation, record_excitation
 from fricomp.arm.motion.recording import ArmController, read_positions
-from fricomp.arm.regressor import compute_regressor
-from fricomp.arm.simulated_arm import SimulatedArm, read_arm
+from fricomp.arm.rigid.regressor import compute_regressor
+from fricomp.arm.rigid.simulated_arm import SimulatedArm, read_arm
 from fricomp.calibration.sweep import CalibrationRequest
-from fricomp.cli.terminal import console, progress
+from fricomp.cli.terminal import Table, console, progress
 from fricomp.control import ArmLoad
 from fricomp.control.loop.ending import require_stopped, stopping_on_error
 from fricomp.control.loop.interruption import interrupting_on_ending_signals

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from rich.table import Table
 from rich.text import Text
 
 from fricomp.calibration.sweep import (
@@ -23,7 +22,7 @@ from fricomp.calibration.sweep.planning.plan import Travel, move_speed
 from fricomp.calibration.sweep.planning.profile import move_profile
 from fricomp.calibration.sweep.weight import HungWeight, plan_passes
 from fricomp.cli.calibration.torque_constant import N_PASSES
-from fricomp.cli.terminal import console
+from fricomp.cli.terminal import Table, console
 
 __all__ = ["print_motion_plan", "print_sweep_plan", "print_torque_constant_plan"]
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.progress import Progress as Bar
 from rich.text import Text
@@ -30,30 +32,62 @@ from fricomp.calibration.sweep import (
 )
 from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
+from fricomp.cli.answer import answer
 from fricomp.cli.calibration.resume import changes, refuse_other
-from fricomp.cli.parameter_table import parameter_table
+from fricomp.cli.option.motion_log import log_calibration
+from fricomp.cli.option.page import open_page, watching
+from fricomp.cli.parameter_table import parameter_table, print_verdict
 from fricomp.cli.terminal import console, progress
 from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import AdapterError, SweepAborted
 from fricomp.recording import write_recording
 
-__all__ = ["follow", "record_file", "resume_run", "start_run"]
+if TYPE_CHECKING:
+    from fricomp.live.feed import LiveFeed
+
+__all__ = ["Shown", "follow", "record_file", "resume_run", "start_run"]
 
 
-def start_run(request: CalibrationRequest, out: Path, *, overwrite: bool) -> None:
+@dataclass(frozen=True)
+class Shown:
+    """What is shown in a browser, and in viewers of logs.
+
+    Attributes:
+        live: The joint as it moves.
+        opened: That page, and the report at the end.
+        log: File for viewers; None for none.
+    """
+
+    live: bool = False
+    opened: bool = False
+    log: Path | None = None
+
+
+_UNSEEN = Shown()
+
+
+def start_run(request: CalibrationRequest, out: Path, shown: Shown = _UNSEEN, *, overwrite: bool) -> None:
     """Calibrate into a new folder, or in place of the run that is there."""
-    with progress() as bar, _interruptible(out) as begun:
-        calibration, folder = record_sweep(request, out, overwrite=overwrite, progress=begun(follow(bar)))
-        _write(calibration, folder, bar)
+    with _watching(request, shown) as feed, progress() as bar, _interruptible(out) as begun:
+        calibration, folder = record_sweep(
+            request, out, overwrite=overwrite, progress=begun(follow(bar, feed)), watch=feed
+        )
+        _write(calibration, folder, bar, shown)
 
 
-def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()) -> None:
+def _watching(request: CalibrationRequest, shown: Shown) -> AbstractContextManager[LiveFeed | None]:
+    title = f"Calibration of joint {request.joint or 'number 1'} ({request.backend})"
+    return watching(title, live=shown.live, opened=shown.opened)
+
+
+def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = (), shown: Shown = _UNSEEN) -> None:
     """Go on with the run in a folder; one that is recorded to its end is identified again, and nothing moves.
 
     Args:
         out: The folder.
         asked: What the command line says.
         given: Names of the options that stand there.
+        shown: What is shown in a browser.
 
     Raises:
         SweepAborted: The folder holds no sweep.
@@ -64,12 +98,12 @@ def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()
     if folder.is_motion:
         raise SweepAborted(_no_going_on(folder))
     if folder.is_recorded:
-        _identify_again(folder)
+        _identify_again(folder, shown)
         return
-    with progress() as bar, _interruptible(out) as begun:
-        with open_joint(folder.request) as context:
-            calibration = calibrate(context, folder, folder.request.options, begun(follow(bar)))
-        _write(calibration, folder, bar)
+    with _watching(folder.request, shown) as feed, progress() as bar, _interruptible(out) as begun:
+        with open_joint(folder.request, feed) as context:
+            calibration = calibrate(context, folder, folder.request.options, begun(follow(bar, feed)))
+        _write(calibration, folder, bar, shown)
 
 
 def _no_going_on(folder: RunFolder) -> str:
@@ -82,12 +116,16 @@ def _no_going_on(folder: RunFolder) -> str:
     )
 
 
-def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = False) -> None:
+def record_file(request: CalibrationRequest, out: Path, shown: Shown = _UNSEEN, *, overwrite: bool = False) -> None:
     """Record the motion of a request into a new folder, or in place of the run that is there."""
     wanted = read_motion(request.motion)
     if Path(request.motion).resolve() in {(out / name).resolve() for name in (RECORDING, MOTION_ALONE)}:
         raise SweepAborted(f"recording into {out} would replace the motion {request.motion}: choose another --out")
-    with _interruptible(out, request.motion) as begun, open_joint(request) as opened:
+    with (
+        _watching(request, shown) as feed,
+        _interruptible(out, request.motion) as begun,
+        open_joint(request, feed) as opened,
+    ):
         context = at_rows_rate(opened, wanted)
         fit_into(wanted, travel_now(context))  # before anything moves, and before an earlier run is thrown away
         folder = RunFolder.create(out, request, overwrite=overwrite)
@@ -98,7 +136,7 @@ def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = Fal
             folder.open_writer(context.metadata(), channels) as writer,
             stopping_on_error(context.adapter),
         ):
-            sweep = Sweep(context, writer, SweepData(), begun(lambda text, done: None))
+            sweep = Sweep(context, writer, SweepData(), begun(_report_nothing if feed is None else feed.show_progress))
             sweep.prepare()
             distance = record_motion(sweep, wanted)
             sweep.finish()
@@ -162,32 +200,61 @@ def _say_interrupted(out: Path, motion: str, stopped: str, *, begun: bool) -> No
     print(f"\nInterrupted{stopped}. What was recorded is safe in {out / RECORDING}: {way}", file=sys.stderr)
 
 
-def _identify_again(folder: RunFolder) -> None:
+def _report_nothing(text: str, done: float) -> None:
+    pass
+
+
+def _identify_again(folder: RunFolder, shown: Shown) -> None:
     """Identify what is on disk; no joint is opened."""
     with progress() as bar:
         follow(bar)("identifying", 0.0)
-        _write(identify_recorded(folder, folder.request.options), folder, bar)
+        _write(identify_recorded(folder, folder.request.options), folder, bar, shown)
 
 
-def _write(calibration: Calibration, folder: RunFolder, bar: Bar) -> None:
+def _write(calibration: Calibration, folder: RunFolder, bar: Bar, shown: Shown) -> None:
     """Model, network, report and run.json, and what they say in short."""
     bar.update(bar.task_ids[0], description="writing the report", completed=0.0)
     run = write_run(calibration, folder)
+    log_calibration(shown.log, calibration)
     bar.stop()
-    console().print(parameter_table(calibration.estimate.result))
+    result = calibration.estimate.result
     screen = console()
+    print_verdict(screen, result)
+    screen.print(parameter_table(result))
     for check in run.checks:
         if check.outcome in ("warning", "failed"):
             screen.print(f"{check.name}: {check.detail}", style="yellow")
+    deviations = result.standard_deviations
+    answer(
+        {
+            "status": str(result.status),
+            "message": result.message,
+            "joint": result.model.joint,
+            "parameters": {
+                name: {
+                    "value": value,
+                    "standard_deviation": deviations[name],
+                    "at_bound": name in result.at_bound,
+                }
+                for name, value in result.parameters.items()
+            },
+            "units": result.model.units(),
+            "checks": [asdict(check) for check in run.checks],
+            "files": run.files,
+        }
+    )
     names = ", ".join(file.name for file in run.files)
     screen.print(Text.assemble("In ", (str(folder.path), "bold"), f": {names}, {len(run.pictures)} pictures"))
+    open_page(folder.path / "report.html", wanted=shown.opened)
 
 
-def follow(bar: Bar) -> Progress:
-    """What shows progress on a bar."""
+def follow(bar: Bar, feed: LiveFeed | None = None) -> Progress:
+    """What shows progress on a bar, and on the live page where there is one."""
     task = bar.add_task("starting", total=1.0)
 
     def report(text: str, done: float) -> None:
         bar.update(task, description=text, completed=done)
+        if feed is not None:
+            feed.show_progress(text, done)
 
     return report

@@ -12,6 +12,7 @@ from rich.text import Text
 from fricomp.calibration.identification.report.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest, open_joint
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
+from fricomp.cli.answer import answer
 from fricomp.cli.calibration.start import follow
 from fricomp.cli.terminal import console, progress
 from fricomp.recording import Recording, write_recording
@@ -69,6 +70,7 @@ def _record(
 
 def _print(found: TorqueConstant, out: Path) -> None:
     unit, reach = found.unit, REACH * found.deviation
+    answer({**asdict(found), "file": out / _RESULT})
     screen = console()
     screen.print(
         Text.assemble(

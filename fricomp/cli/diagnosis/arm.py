@@ -16,10 +16,23 @@ if TYPE_CHECKING:
     from fricomp.arm import ArmExamination
     from fricomp.arm.log import ArmLog
     from fricomp.diagnosis import Diagnosis
+    from fricomp.recording import Recording
 
-__all__ = ["ArmOptions", "Channel", "Gain", "LogMapping", "Match", "Payload", "find_arm_log", "find_payload", "run_arm"]
+__all__ = [
+    "ArmOptions",
+    "Channel",
+    "Gain",
+    "LogMapping",
+    "Match",
+    "Payload",
+    "find_arm_log",
+    "find_payload",
+    "read_joint",
+    "run_arm",
+]
 
 _PANEL = "Of an arm"
+_OF_LOG = "Of a log"
 Match = Annotated[
     list[str] | None,
     typer.Option(rich_help_panel=_PANEL, help="RECORDED=SIMULATED, where names of joints differ; commas between."),
@@ -30,10 +43,11 @@ Gain = Annotated[
 ]
 Channel = Annotated[
     list[str] | None,
-    typer.Option(rich_help_panel=_PANEL, help="CHANNEL=COLUMN, where several could be one: torque=tau_measured."),
+    typer.Option(rich_help_panel=_OF_LOG, help="CHANNEL=COLUMN, where several could be one: torque=tau_measured."),
 ]
 LogMapping = Annotated[
-    str, typer.Option(rich_help_panel=_PANEL, help="Mapping file, or one in the package, for a log without such names.")
+    str,
+    typer.Option(rich_help_panel=_OF_LOG, help="Mapping file, or one in the package, for a log without such names."),
 ]
 Payload = Annotated[
     bool,
@@ -54,7 +68,7 @@ class ArmOptions:
     @property
     def names(self) -> dict[str, str]:
         """Names in the simulation by names in the log."""
-        from fricomp.arm.naming import parse_names
+        from fricomp.arm.rigid.naming import parse_names
 
         return parse_names(self.match or ())
 
@@ -73,14 +87,39 @@ class ArmOptions:
             raise ParameterError(f"--gain: {error}: write JOINT=GAIN, such as elbow=9.8 [N·m/A]") from error
 
     def refuse(self, why: str) -> None:
-        """Refuse whatever was given.
+        """Refuse what is of arms alone.
 
         Raises:
-            ParameterError: Something was.
+            ParameterError: Something of it was given.
         """
-        given = {"--match": self.match, "--gain": self.gain, "--channel": self.channel, "--mapping": self.mapping}
+        given = {"--match": self.match, "--gain": self.gain}
         for name in (name for name, value in given.items() if value):
             raise ParameterError(f"{name} {why}")
+
+
+def read_joint(path: Path, options: ArmOptions, joint: str | None = None) -> Recording:
+    """The recording of one joint, by the mapping, the columns and the name that were given.
+
+    Raises:
+        RecordingError: It cannot be read, or is of several joints.
+    """
+    from fricomp.cli.terminal import console
+    from fricomp.errors import RecordingError
+    from fricomp.recording import convert, load_mapping
+    from fricomp.recording.file import read_content
+
+    if not options.mapping:
+        content = read_content(path, channels=options.channels, joint=joint)
+        for finding in content.findings:
+            console(stderr=True).print(f"{path.name}: {finding}", soft_wrap=True)
+        return content.recording
+    found = list(convert(path, load_mapping(options.mapping)))
+    if len(found) > 1 and joint is not None:
+        found = [one for one in found if joint in (one.name, one.recording.metadata.joint)] or found
+    if len(found) > 1:
+        names = ", ".join(one.name for one in found)
+        raise RecordingError(f"{path} holds {len(found)} recordings, {names}: take one by --joint NAME")
+    return found[0].recording
 
 
 def _split(texts: Sequence[str], option: str, form: str) -> dict[str, str]:
@@ -152,7 +191,7 @@ def run_arm(
         FricompError: It cannot be examined, or the folder holds something else.
     """
     from fricomp.api.examine_arm import examine_arm
-    from fricomp.arm.output.page import build_file_table, build_friction_table, build_joint_table, build_link_table
+    from fricomp.arm.output.page import build_joint_table
     from fricomp.cli.answer import print_json
     from fricomp.cli.fleet import rich_table
     from fricomp.cli.terminal import console, progress
@@ -172,12 +211,10 @@ def run_arm(
     if options.as_json:
         print_json(found.record)
         return found
-    for number, sentence in enumerate(found.record.sentences):
+    for number, sentence in enumerate(found.record.summary):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
-    builders = (build_joint_table, build_friction_table, build_file_table, build_link_table)
-    for table in (one for build in builders if (one := build(found.record)) is not None):
-        show.print()
-        show.print(rich_table(table))
+    show.print(rich_table(build_joint_table(found.record)))
     listed = ", ".join(sorted(path.name for path in out.iterdir() if path.suffix != ".png"))
-    show.print(f"\nIn {out}: {listed}", soft_wrap=True, markup=False)
+    where = f"Friction, links, errors of the files and all remarks: report.html. In {out}: {listed}"
+    show.print(where, soft_wrap=True, markup=False)
     return found

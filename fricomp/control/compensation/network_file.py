@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 
-__all__ = ["Loads", "open_graph", "open_network", "read_largest_torques", "read_loads", "read_velocity_range"]
+__all__ = [
+    "Loads",
+    "check_graph",
+    "open_graph",
+    "open_network",
+    "read_largest_torques",
+    "read_loads",
+    "read_velocity_range",
+]
 
 
 _LARGEST_FILE = 64 * 2**20  # [bytes]; those of a thousand joints have a tenth of it
@@ -68,7 +76,9 @@ def open_graph(path: Path) -> Any:
     options.execution_mode = onnxruntime.ExecutionMode.ORT_SEQUENTIAL
     options.log_severity_level = 3
     try:
-        session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+        session = onnxruntime.InferenceSession(
+            str(path), options, providers=["CPUExecutionProvider"], enable_fallback=0
+        )  # which would print its complaint and try the same again
     except Exception as error:  # the runtime raises its own kinds, and bare ones
         raise ModelFileError(f"cannot read the network {path}: {error}") from error
     inputs, outputs = session.get_inputs(), session.get_outputs()
@@ -90,18 +100,43 @@ def _require_small_graph(path: Path) -> None:
         raise MissingExtraError("onnx", "onnx") from None
     try:
         size = path.stat().st_size
-        graph = onnx.load(str(path), load_external_data=False).graph if size <= _LARGEST_FILE else None
+        model = onnx.load(str(path), load_external_data=False) if size <= _LARGEST_FILE else None
+        grown, is_apart = ([], False) if model is None else (_growing(model.graph), _is_apart(model.graph))
+        if model is not None and not (grown or is_apart):
+            check_graph(model)
     except Exception as error:  # protobuf raises kinds of its own
         raise ModelFileError(f"cannot read the network {path}: {error}") from error
-    if graph is None:
+    if model is None:
         raise ModelFileError(f"{path} has {size} bytes: a friction network has at most {_LARGEST_FILE}")
-    grown = sorted({node.op_type for node in graph.node if node.op_type in _GROWING or _has_graph(node)})
     if grown:
         raise ModelFileError(
             f"{path} is no friction network: it has a node {grown[0]}, which makes tensors of any size"
         )
-    if any(tensor.external_data for tensor in graph.initializer):
+    if is_apart:
         raise ModelFileError(f"{path} takes weights from other files: put them into the network's own")
+
+
+def _growing(graph: Any) -> list[str]:
+    """Operators that make tensors of any size."""
+    return sorted({node.op_type for node in graph.node if node.op_type in _GROWING or _has_graph(node)})
+
+
+def _is_apart(graph: Any) -> bool:
+    """Whether weights are in other files."""
+    return any(tensor.external_data for tensor in graph.initializer)
+
+
+def check_graph(model: Any) -> None:
+    """Refuse a model whose operators, types or texts are not what ONNX allows.
+
+    Raises:
+        Exception: Of any kind, as the parsers have them: the model is damaged.
+    """
+    import onnx
+
+    onnx.checker.check_model(model)
+    for item in model.metadata_props:
+        str.encode(item.key + item.value)  # what is no UTF-8 comes as bytes, or raises by itself
 
 
 def _has_graph(node: Any) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Callable, MutableSequence, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -85,6 +85,7 @@ class SafetyGate:
             themselves, the torque that passes here is not all that they make.
         quanta: Steps of each joint's position [rad] or [m] and velocity [rad/s] or [m/s], by which motion that
             contradicts itself is told from coarse sensors; none where they are fine.
+        describe_faults: Says in words what the fault codes of the joints mean.
 
     Raises:
         ParameterError: No joint, or a time that is not finite and positive (`ramp_time` may be zero).
@@ -99,6 +100,7 @@ class SafetyGate:
         stale_after: float = 0.02,
         watch_torque: bool = False,
         quanta: Sequence[tuple[float, float]] = (),
+        describe_faults: Callable[[Sequence[int]], str] = lambda codes: f"codes {list(codes)}",
     ) -> None:
         if not (isinstance(limits, Sequence) and limits and all(isinstance(each, JointLimits) for each in limits)):
             raise ParameterError(f"a safety gate needs the limits of at least one joint, got {limits!r}")
@@ -119,6 +121,7 @@ class SafetyGate:
         self._hottest = [(j, limit.temperature) for j, limit in enumerate(limits) if limit.temperature is not None]
         self._too_much = [_TOO_MUCH * limit.torque for limit in limits] if watch_torque else []
         self._n_too_much = 0
+        self._describe_faults = describe_faults
         self._last = [0.0] * len(limits)
         self._indices = range(len(limits))
         self._armed = False
@@ -259,7 +262,7 @@ class SafetyGate:
     def _trip_state(self, feedback: JointFeedback, now_ns: int) -> None:
         """Find out which limit it was."""
         if any(feedback.fault):
-            self.trip("drive_fault", f"the drives report {list(feedback.fault)}", now_ns)
+            self.trip("drive_fault", f"the drives report {self._describe_faults(feedback.fault)}", now_ns)
         rows = zip(feedback.position, feedback.velocity, self._fastest, self._ranges, strict=True)
         for joint, (q, v, fastest, (lowest, highest)) in enumerate(rows):
             if not (math.isfinite(q) and math.isfinite(v)):
@@ -290,7 +293,8 @@ class SafetyGate:
         Returns:
             Whether the command may be sent; False when tripped (also by this command) or not armed.
         """
-        last, wanted = self._last, list[float]()
+        last = self._last
+        wanted: list[float] = []
         try:
             wanted = list(map(float, torque_in))
         except (TypeError, ValueError, OverflowError) as error:
@@ -311,8 +315,8 @@ class SafetyGate:
         """Whether nothing has to be bounded, which is the rule; NaN is never within."""
         last, limits, steps = self._last, self._torque_limits, self._steps
         for j in self._indices:
-            torque = wanted[j]
-            if not (abs(torque) <= limits[j] and abs(torque - last[j]) <= steps[j]):
+            torque, limit, step = wanted[j], limits[j], steps[j]  # comparisons are cheaper than calls of abs
+            if not (-limit <= torque <= limit and -step <= torque - last[j] <= step):
                 return False
         return True
 
@@ -341,7 +345,7 @@ class SafetyGate:
         return self._close(torque_out)
 
     def _watch_age(self, now_ns: int) -> None:
-        if not self._armed or abs(now_ns - self._feedback_ns) <= self._stale_ns:
+        if not self._armed or -self._stale_ns <= now_ns - self._feedback_ns <= self._stale_ns:
             return
         age, limit = (now_ns - self._feedback_ns) / 1e6, self._stale_ns / 1e6
         self.trip("stale", f"the data of the joints is {age:.1f} ms old, limit {limit:.1f} ms", now_ns)

@@ -154,11 +154,14 @@ class MotionWatch:
     ) -> Contradiction | None:
         """Position against velocity; and how far the joint may be when it is looked at again."""
         floor, step = self._floors[j], q - self._position[j]
-        speed = max(v, -v, self._speed[j] * fading)
+        speed, faded = v if v >= 0.0 else -v, self._speed[j] * fading
+        if faded > speed:
+            speed = faded
         drift = self._drift[j] * leaking + step - 0.5 * (v + self._velocity[j]) * elapsed
         reach = 2.0 * speed + self._headroom[j]
         self._position[j], self._velocity[j], self._speed[j], self._drift[j] = q, v, speed, drift
-        if abs(step) > reach * max(elapsed, HORIZON) + floor:
+        farthest = reach * (elapsed if elapsed > HORIZON else HORIZON) + floor
+        if not -farthest <= step <= farthest:
             return Contradiction("jump", f"joint {j} jumps by {step:.4g} within {1e3 * elapsed:.3g} ms")
         allowed = (self._lag + self._gap) * speed + floor
         if not -allowed <= drift <= allowed:
@@ -168,8 +171,9 @@ class MotionWatch:
                 f"of late, limit {allowed:.4g}",
             )
         reach, (low, high) = reach * HORIZON + floor, self._ranges[j]
-        self.lowest[j] = q - reach if q - reach > low else low
-        self.highest[j] = q + reach if q + reach < high else high
+        least, most = q - reach, q + reach
+        self.lowest[j] = least if least > low else low
+        self.highest[j] = most if most < high else high
         return None
 
     def _watch_standing(self, j: int, torque: float, elapsed: float) -> Contradiction | None:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from fricomp.control.loop.loop_check import LoopCheck
 from fricomp.control.loop.loop_log import LoopLog
-from fricomp.report import Band, Chart, Line, Panel, Rule
+from fricomp.model import FrictionModel
+from fricomp.report import Band, Chart, Line, Panel, ReportPage, Rule, Section, Table
 
-__all__ = ["gain_scan_chart", "histogram_panel", "run_chart", "timing_chart"]
+__all__ = ["build_run_page", "gain_scan_chart", "histogram_panel", "run_chart", "timing_chart"]
 
 
 def gain_scan_chart(check: LoopCheck, joint: str) -> Chart:
@@ -66,3 +68,47 @@ def run_chart(logs: Mapping[str, LoopLog], joint: int, units: tuple[str, str]) -
         Panel(tuple(torques), "time [s]", f"torque [{torque_unit}]"),
     )
     return Chart(f"run-{joint}", "A reference motion with and without compensation", panels, share_x=True)
+
+
+def build_run_page(
+    models: Sequence[FrictionModel],
+    figures: Mapping[str, Mapping[str, Any]],
+    charts: Sequence[Chart],
+    refused: Sequence[str],
+) -> ReportPage:
+    """The report of a motion without and with compensation.
+
+    Args:
+        models: Of the joints.
+        figures: Of the runs `without` and `with`: errors of each joint, cycles, skipped, timing.
+        charts: Of the joints, and of the timing last.
+        refused: What the system did not grant, in sentences.
+    """
+    without, compensated = figures["without"], figures["with"]
+    sentences, rows = [], []
+    for joint, model in enumerate(models):
+        before, after = without["rms_error"][joint], compensated["rms_error"][joint]
+        change = f"{after / before - 1.0:+.0%}" if before > 0.0 else "–"
+        shown, again, largest = (
+            f"{1e3 * value:.3g} m{model.position_unit}"
+            for value in (before, after, compensated["largest_error"][joint])
+        )
+        rows.append((model.joint, shown, again, change, largest))
+        sentences.append(
+            f"Joint {model.joint}: RMS tracking error {shown} without compensation, {again} with it ({change})."
+        )
+    pairs = zip(compensated["rms_error"], without["rms_error"], strict=True)
+    better = all(after < before for after, before in pairs)
+    heads = ("joint", "RMS error without", "with compensation", "change", "largest with compensation")
+    timing = tuple((name.replace("_", " "), f"{1e6 * value:.1f} µs") for name, value in compensated["timing"].items())
+    return ReportPage(
+        title=f"Run of {', '.join(model.joint for model in models)}",
+        summary=(*sentences, *refused),
+        sections=(
+            Section("Tracking", (Table(heads, tuple(rows)), *charts[:-1])),
+            Section("Timing", (charts[-1], Table(("what, with compensation", "time"), timing))),
+        ),
+        facts={"cycles": str(compensated["cycles"]), "skipped": str(compensated["skipped"])},
+        outcome="passed" if better else "warning",
+        verdict="Tracks better with compensation" if better else "Does not track better with compensation",
+    )

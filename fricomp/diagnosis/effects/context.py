@@ -42,6 +42,8 @@ class Context:
         source: Which of the recordings it is a part of, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
         usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
+        delays: Earliest and latest that a torque without any flaw comes [s].
+        acts_late: Time by which the recorded torque was moved, since it acts so long after its stamp [s].
     """
 
     dt: float
@@ -64,6 +66,8 @@ class Context:
     source: int = 0
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
+    delays: tuple[float, float] = (-5e-4, 5e-4)
+    acts_late: float = 0.0
 
     @property
     def time(self) -> FloatArray:
@@ -122,6 +126,8 @@ def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping
         channels=track.channels,
         hints=hints,
         usual_delay=track.usual_delay,
+        delays=track.delays,
+        acts_late=track.acts_late,
     )
 
 

@@ -76,8 +76,13 @@ class EffectParameter:
 
     def is_at_end(self, value: float) -> bool:
         """Whether a value stands where the search of it ends, in the solver's coordinates."""
-        margin = EFFECT.at_bound * (self.upper - self.lower)
-        return (self.linear or self.searched) and not self.lower + margin < value < self.upper - margin
+        return (self.linear or self.searched) and self.touches_end(value)
+
+    def touches_end(self, value: float) -> bool:
+        """Whether a value stands where its domain or the search of it ends, in the solver's coordinates."""
+        bounded = max(-self.lower, self.upper) < EFFECT.unbounded
+        margin = EFFECT.at_bound * (self.upper - self.lower if bounded else max(abs(value), self.scale))
+        return not self.lower + margin < value < self.upper - margin
 
     def compute_form_deviation(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""

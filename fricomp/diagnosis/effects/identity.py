@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ["IDENTITIES", "Identity", "find_identity"]
+__all__ = ["IDENTITIES", "Identity", "Twin", "find_identity", "find_twin"]
 
 
 class Identity(NamedTuple):
@@ -57,4 +57,40 @@ def find_identity(values: Mapping[str, Mapping[str, float]]) -> Identity | None:
     for identity in IDENTITIES:
         if identity.one in values and identity.other in values and identity.holds(values[identity.other]):
             return identity
+    return None
+
+
+class Twin(NamedTuple):
+    """The same torque under the name that comes first.
+
+    Attributes:
+        identity: Why they are the same.
+        values: Parameters of the effect that comes first.
+        gravity: Factor by which gravity is larger with it.
+    """
+
+    identity: Identity
+    values: dict[str, float]
+    gravity: float
+
+
+def find_twin(values: Mapping[str, Mapping[str, float]], usual_load: float) -> Twin | None:
+    """The same torque by an effect that comes first; None where these have no such effect.
+
+    With k = c_d of a driving load, c |tau_l| s + tau_l is k (1 - c) |tau_l| [tau_l v > 0] s + (1 - c) tau_l for
+    k (1 - c) = 2 c.
+
+    Args:
+        values: Parameters by effect and name.
+        usual_load: By which the coefficient of a driving load is counted [N·m].
+    """
+    for identity in IDENTITIES:
+        own = values.get(identity.other, {})
+        if not own or identity.one in values or not identity.holds(own):
+            continue
+        driving = own["coefficient"] * usual_load
+        level = driving / (2.0 + driving) if driving > 0.0 else 0.0
+        if level > 0.0:
+            rest = {name: value for name, value in own.items() if name not in ("coefficient", identity.form)}
+            return Twin(identity, {"coefficient": level, **rest}, 1.0 / (1.0 - level))
     return None

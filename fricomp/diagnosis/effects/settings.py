@@ -55,6 +55,9 @@ class EffectSettings:
     """Shortest time constant of heating [s], that of a winding."""
     longest_heating: float = 1000.0
     """Longest time constant of heating [s], that of a gearbox."""
+    heating_unit: float = 60.0
+    """Time in which the mean losses bring one unit of an estimated heat [s], within what recordings last. With one far
+    beyond them size and time constant hang together."""
     heating_starts: tuple[float, ...] = (10.0, 30.0, 100.0)
     """Time constants of heating from which fits start [s]."""
     window_rounds: int = 6

@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import islice, product
 
+import numpy as np
+
 from ..effects import EFFECTS, Context
-from ..effects.structure import N_BASE, Candidate
+from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.rigid import RigidJoint
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
@@ -47,7 +49,7 @@ def prefer_agreeing(
     best = found.best
     if best is None:
         return found
-    if differs(best, AGREES):
+    if differs(best, AGREES) or _is_improbable(best):
         least = best.gain - max(ALIASES.close, AGREEMENT.hides * best.left, found.explainable_null)
         options = [one for one in list_alternatives(found) if one.gain > least]
         if rigid is not None and rigid.rotary:
@@ -61,6 +63,13 @@ def prefer_agreeing(
         others = tuple(e for e in found.explanations if e is not kept[0])
         found = replace(found, best=kept[0], explanations=(kept[0], *others))
     return found if rigid is None or not rigid.rotary else _straighten_rivals(baseline, found, rigid, differs)
+
+
+def _is_improbable(one: Explanation) -> bool:
+    """Whether inertia and gravity lie further from the simulation than its stated error allows. Where the recording
+    hardly shows them beside the effects, they differ by nothing that it proves."""
+    away = (one.fit.theta[:3] - one.box.centre[:3])[:, None]
+    return float((away.T @ one.box.precision[:3, :3] @ away).item()) > AGREEMENT.improbable
 
 
 def _fits_enough(one: Explanation, least: float) -> bool:
@@ -122,7 +131,9 @@ def _fit_held(baseline: Baseline, near: Sequence[Explanation], rigid: RigidJoint
         theta = move_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
         settled = sorted(one.settled, key=lambda candidate: candidate.name)
         forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
-        wanted += [(candidates, theta) for candidates in islice(product(*forms), AGREEMENT.most_starts)]
+        contexts = one.structure.move_contexts(np.concatenate([theta, one.fit.theta[N_BASE:]]))
+        starts = islice(product(*forms), AGREEMENT.most_starts)
+        wanted += [(Structure(contexts, tuple(candidates)), theta) for candidates in starts]
     return fit_from(baseline, wanted, box)
 
 

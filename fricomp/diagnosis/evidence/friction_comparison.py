@@ -16,7 +16,7 @@ from fricomp.model import FrictionModel
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
-from ..record.result import Change, Quantity
+from ..record.result import FRICTION_CHANGES, Change, Quantity
 from .comparison import (
     Comparison,
     Shift,
@@ -27,10 +27,7 @@ from .comparison import (
 )
 from .settings import PARAMETERS
 
-__all__ = ["FRICTION_CHANGES", "GivenFriction", "compare_friction", "list_friction_changes"]
-
-FRICTION_CHANGES = ("frictionloss", "damping")
-"""Changes of a simulation's own friction, by the names that MJCF has for it."""
+__all__ = ["GivenFriction", "compare_friction", "list_friction_changes"]
 
 _FORWARD, _REVERSE = 4, 8
 """Where the curves of the two directions begin among the base's parameters."""

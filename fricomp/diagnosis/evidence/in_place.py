@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import EFFECTS
-from ..effects.structure import N_BASE, Candidate, Structure
+from ..effects.structure import N_BASE, Structure
 from ..inputs.rigid import RigidJoint
 from ..joint.solver import Box, Fit
 from ..search.explanation import Explanation, compute_evidence, judge
@@ -69,7 +69,7 @@ def prefer_in_place(case: Case) -> Case:
         return case
     baseline, found = case.baseline, case.found
     base = question.given.fit.theta[:N_BASE]
-    tried = fit_from(baseline, [((one,), base) for one in _list_tried(case, question)], question.box)
+    tried = fit_from(baseline, [(one, base) for one in _list_tried(case, question)], question.box)
     alike = [one for one in tried if _is_physical(one) and question.does_as_well(one, found.explainable_null)]
     alike = sorted(alike, key=lambda one: (bool(one.refused), -one.gain))
     case = replace(case, instead=tuple(dict.fromkeys(one.names[0] for one in alike)))
@@ -95,7 +95,7 @@ def _ask(case: Case) -> _Question | None:
     moved = replace(moved, gain=-numbers * float(np.log(baseline.fit.residual.size)))
     box = _hold_as_known(baseline, rigid)
     start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
-    (given,) = fit_from(baseline, [((), start)], box)
+    (given,) = fit_from(baseline, [(baseline.structure, start)], box)
     jacobian = given.fit.jacobian.copy()
     jacobian[:, :3] = 0.0  # what is given stays so, about it and on every fold
     return _Question(moved, replace(given, fit=replace(given.fit, jacobian=jacobian)), box)
@@ -117,10 +117,10 @@ def _hold_as_known(baseline: Baseline, rigid: RigidJoint) -> Box:
     return replace(box, centre=centre, precision=precision)
 
 
-def _list_tried(case: Case, question: _Question) -> list[Candidate]:
+def _list_tried(case: Case, question: _Question) -> list[Structure]:
     """Effects that may explain what the simulation as given leaves, the most likely ones of them."""
     baseline, fit = case.baseline, question.given.fit
-    about = Structure(baseline.structure.contexts)
+    about = Structure(question.given.structure.move_contexts(fit.theta))
     columns = screen(baseline.problem, about, fit.theta, fit.residual, fit.jacobian).select_best().values()
     strong = [
         c.candidate
@@ -131,7 +131,7 @@ def _list_tried(case: Case, question: _Question) -> list[Candidate]:
     found = [
         candidate for one in single[: IN_PLACE.fitted] for candidate in one.settled if candidate.name not in BODY_SHIFTS
     ]
-    return [*strong[: IN_PLACE.most], *found]
+    return [replace(about, candidates=(one,)) for one in (*strong[: IN_PLACE.most], *found)]
 
 
 def _is_physical(one: Explanation) -> bool:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.stats import chi2
 
-from ..effects.effect import EffectParameter
-from ..effects.settings import EFFECT
+from ..effects import EFFECTS
+from ..effects.effect import compute_lowest_order
 from ..effects.structure import N_BASE
 from ..inputs.track import FloatArray
-from .refitted import RefittedJoint
+from .refitted import RefittedJoint, condition
 from .settings import NEEDS
 
-__all__ = ["list_objections"]
+__all__ = ["find_one_way", "list_objections"]
 
 
 def list_objections(refitted: RefittedJoint) -> dict[str, str]:
@@ -23,10 +25,27 @@ def list_objections(refitted: RefittedJoint) -> dict[str, str]:
     """
     found = {}
     for name in refitted.structure.names:
-        reason = _find_end(refitted, name) or _find_absence(refitted, name)
+        reason = _find_end(refitted, name) or _find_long_wave(refitted, name) or _find_absence(refitted, name)
         if reason:
             found[name] = reason
     return found
+
+
+def find_one_way(names: Sequence[str], velocities: Sequence[FloatArray]) -> dict[str, str]:
+    """Say what speaks against effects that need both directions where the joint moves in one; nothing for others.
+
+    What depends on the angle repeats in each turn. All else depends on speed and torque, which such a motion
+    hardly changes, so that friction and a constant torque look the same.
+
+    Args:
+        names: Of the effects.
+        velocities: Of the motions [rad/s] or [m/s]. Each of shape (n,).
+    """
+    forth, back = (sum(float(np.sum(np.maximum(side * one, 0.0))) for one in velocities) for side in (1.0, -1.0))
+    if min(forth, back) > NEEDS.back * (forth + back):
+        return {}
+    said = "the joint moves in one direction only, which shows what depends on the angle and nothing else"
+    return {name: said for name in names if not EFFECTS[name].ripple}
 
 
 def _find_end(refitted: RefittedJoint, name: str) -> str:
@@ -37,39 +56,38 @@ def _find_end(refitted: RefittedJoint, name: str) -> str:
     return ""
 
 
+def _find_long_wave(refitted: RefittedJoint, name: str) -> str:
+    """Say that a ripple may have no period within the recorded range; empty where it has one for sure.
+
+    A fit that stands at the lowest order is refused as anything that varies slowly; so is one that may as well do so.
+    """
+    for index, (owner, parameter) in enumerate(refitted.structure.parameters, N_BASE):
+        lowest = parameter.name == "order" and parameter.lower >= compute_lowest_order(refitted.structure.contexts)
+        low = float(refitted.fit.theta[index]) - 1.96 * float(refitted.deviations[index])
+        if owner == name and lowest and low <= parameter.lower:
+            return "its interval holds orders of which no period lies within the recorded range"
+    return ""
+
+
 def _find_absence(refitted: RefittedJoint, name: str) -> str:
     """Say that the 95 % region of its numbers holds its absence; empty where it does not.
 
-    A number that ends where its domain does moves to one side at most, and no step of it can stand for the others: the
-    region is that of the others beside it. A spring that does not stiffen is known, whatever stiffening would hide.
+    The numbers in which it is linear are compared with zero where its others stand: without the effect those mean
+    nothing, so that the likelihood of its absence is the same whatever they are [davies1987]. That they were chosen
+    where the likelihood is largest counts as freedom. Among them is one that ends where its domain does: it moves to
+    one side at most, and no step of it can stand for the others.
     """
     own = [(i, p) for i, (owner, p) in enumerate(refitted.structure.parameters, N_BASE) if owner == name]
     linear = [i for i, parameter in own if parameter.linear and parameter.scale > 0.0]
     if linear:
-        ended = [i for i, parameter in own if not parameter.linear and _is_ended(refitted, i, parameter)]
-        spread = _condition(refitted.covariance, linear, ended)
+        others = [i for i, parameter in own if not parameter.linear and parameter.scale > 0.0]
+        spread = condition(refitted.covariance, linear, others)
         values = refitted.fit.theta[linear]
         distance = float(values @ np.linalg.pinv(spread, hermitian=True) @ values)
-        return "its interval holds zero" if distance < chi2.ppf(NEEDS.sure, len(linear)) else ""
+        return "its interval holds zero" if distance < chi2.ppf(NEEDS.sure, len(linear) + len(others)) else ""
     quantities = refitted.list_parameters(name, "", "")
     for _, parameter in own:
         low, high = quantities[parameter.name].ci95
         if parameter.null is not None and low <= parameter.null <= high:
             return f"the interval of its {parameter.name.replace('_', ' ')} holds that of a joint without it"
     return ""
-
-
-def _is_ended(refitted: RefittedJoint, index: int, parameter: EffectParameter) -> bool:
-    """Whether a number stands where its domain ends."""
-    margin = EFFECT.at_bound * (parameter.upper - parameter.lower)
-    return not parameter.lower + margin < float(refitted.fit.theta[index]) < parameter.upper - margin
-
-
-def _condition(covariance: FloatArray, kept: list[int], given: list[int]) -> FloatArray:
-    """Covariance of some numbers where others are given. Shape (n_kept, n_kept)."""
-    own = covariance[np.ix_(kept, kept)]
-    if not given:
-        return np.asarray(own)
-    across = covariance[np.ix_(kept, given)]
-    among = np.linalg.pinv(covariance[np.ix_(given, given)], hermitian=True)
-    return np.asarray(own - across @ among @ across.T)

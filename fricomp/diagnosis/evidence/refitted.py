@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,11 +20,12 @@ from ..search.preparation import Baseline
 from .confirmation import compute_covariance
 from .settings import PARAMETERS
 
-__all__ = ["SPLIT_BY_PRESLIDING", "RefittedJoint"]
+__all__ = ["SPLIT_BY_PRESLIDING", "RefittedJoint", "condition"]
 
 SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 """Parameters of the base that sliding shows as sums only."""
 
+_NEVER_NEGATIVE = ("coulomb_torque", "viscous_coefficient", "damping_time", "sharpness")
 _DELAY = BASE_NAMES.index("delay")
 _LARGEST = 700.0
 """The largest exponent, nearly, whose power a double holds."""
@@ -58,9 +60,22 @@ class RefittedJoint:
 
     @cached_property
     def deviations(self) -> FloatArray:
-        """Standard deviations of base and effects. Shape (p,)."""
-        result: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        """Standard deviations of base and effects. Shape (p,).
+
+        A number of an effect that ends where its domain does moves to one side at most, and no step of it can stand for
+        the others: they are known as they are beside it.
+        """
+        own = np.diag(self.covariance)
+        ended = [index for index in range(N_BASE, own.size) if self.is_ended(index)]
+        kept = np.setdiff1d(np.arange(own.size), ended)
+        result: FloatArray = np.sqrt(np.maximum(own, 0.0))
+        result[kept] = np.sqrt(np.maximum(np.diag(condition(self.covariance, kept.tolist(), ended)), 0.0))
         return result
+
+    def is_ended(self, index: int) -> bool:
+        """Whether a number of an effect that is not linear stands where its domain ends."""
+        _, parameter = self.structure.parameters[index - N_BASE]
+        return not parameter.linear and parameter.touches_end(float(self.fit.theta[index]))
 
     def list_parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
@@ -77,8 +92,9 @@ class RefittedJoint:
             half = 1.96 * float(np.hypot(deviation, parameter.compute_form_deviation(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
+            at_bound = parameter.scale > 0.0 and parameter.touches_end(float(self.fit.theta[index]))
             result[parameter.name] = _describe_quantity(
-                (low, float(value), high), unit, logarithmic=parameter.logarithmic
+                (low, float(value), high), unit, logarithmic=parameter.logarithmic, at_bound=at_bound
             )
         return result
 
@@ -92,6 +108,13 @@ class RefittedJoint:
         line[index], line[_DELAY] = 1.0, -change
         known = float(np.sqrt(max(float(line @ self.covariance @ line), 0.0)))
         return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
+
+    def measure_late_action(self) -> Quantity:
+        """How long after its stamp the torque acts [s] in the mean. Where in its sample it begins is often not said."""
+        context = self.structure.contexts[0]
+        value = context.acts_late - float(self.fit.theta[_DELAY])
+        half = 1.96 * float(np.hypot(self.deviations[_DELAY], context.usual_delay[1]))
+        return Quantity(value, "s", (max(value - half, 0.0), value + half))
 
     @property
     def _uneven_reading(self) -> float:
@@ -120,14 +143,28 @@ class RefittedJoint:
         theta, result = self.fit.theta[:N_BASE].copy(), {}
         if any(parameter.with_delay for _, parameter in self.structure.parameters):
             theta[_DELAY], deviation[_DELAY] = self.structure.contexts[0].usual_delay
+        theta[_DELAY] -= self.structure.contexts[0].acts_late
         for name, value, half in zip(BASE_NAMES, theta, 1.96 * deviation, strict=True):
             if name in ("creep_velocity", "creep_lead") and self.plant.creep_velocity == 0.0:
                 continue
             plain = name.replace("log_", "")
             unit = units.get(plain.split(".")[-1], torque_unit)
-            around = float(value - half), float(value), float(value + half)
+            low = float(value - half)
+            if plain.split(".")[-1] in _NEVER_NEGATIVE:
+                low = max(low, 0.0)
+            around = low, float(value), float(value + half)
             result[plain] = _describe_quantity(around, unit, logarithmic="log_" in name)
         return result
+
+
+def condition(covariance: FloatArray, kept: Sequence[int], given: Sequence[int]) -> FloatArray:
+    """Covariance of some numbers where others are given. Shape (n_kept, n_kept)."""
+    own = covariance[np.ix_(kept, kept)]
+    if not given:
+        return np.asarray(own)
+    across = covariance[np.ix_(kept, given)]
+    among = np.linalg.pinv(covariance[np.ix_(given, given)], hermitian=True)
+    return np.asarray(own - across @ among @ across.T)
 
 
 def _shorten_unit(unit: str) -> str:
@@ -135,7 +172,9 @@ def _shorten_unit(unit: str) -> str:
     return {"N·m·s²/rad": "kg·m²", "N·s²/m": "kg"}.get(unit, unit)
 
 
-def _describe_quantity(around: tuple[float, float, float], unit: str, *, logarithmic: bool) -> Quantity:
+def _describe_quantity(
+    around: tuple[float, float, float], unit: str, *, logarithmic: bool, at_bound: bool = False
+) -> Quantity:
     """A number with the ends of its interval on both sides."""
     low, mid, high = (float(np.exp(min(x, _LARGEST))) for x in around) if logarithmic else around
-    return Quantity(mid, unit, (low, high))
+    return Quantity(mid, unit, (low, high), at_bound)

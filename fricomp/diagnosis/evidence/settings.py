@@ -19,6 +19,7 @@ __all__ = [
     "OVERTONES",
     "PARAMETERS",
     "REPETITIONS",
+    "UNDETERMINED",
     "VELOCITY",
     "AgreementSettings",
     "AliasSettings",
@@ -30,6 +31,7 @@ __all__ = [
     "OvertoneSettings",
     "ParameterSettings",
     "RepetitionSettings",
+    "UndeterminedSettings",
     "VelocitySettings",
 ]
 
@@ -135,11 +137,29 @@ class NeedSettings:
         sure: Probability of the region of an effect's numbers that must not hold its absence.
         share: Share of the repetitions in which a name must come again. Below it, it is told as a remark.
         plain: Part of the held-out energy above the noise, each row counting alike, that must go.
+        back: Part of the way that leads back, below which a motion goes one way: as in the checks of a recording.
     """
 
     sure: float = 0.95
     share: float = 0.9
     plain: float = 0.5
+    back: float = 0.02
+
+
+@dataclass(frozen=True)
+class UndeterminedSettings:
+    """From where on a number is not determined by a recording.
+
+    Attributes:
+        ratio: Half of the 95 % interval over the number: above it the number may be nothing, or twice itself.
+        matters: Torque that half of the interval makes in these motions, over the deviation of the recorded torque:
+            below it a number may be nothing, and is known to be small.
+        domain: Part of all that is looked for, from which an interval says no more than that.
+    """
+
+    ratio: float = 1.0
+    matters: float = 0.1
+    domain: float = 0.9
 
 
 @dataclass(frozen=True)
@@ -195,12 +215,15 @@ class AgreementSettings:
         most_near: Explanations that are tried so. Each costs a fit for every form of its effects.
         most_starts: Forms of its effects from which each of them is fitted.
         hides: Energy that a fit may have hidden in inertia and gravity, in units of what it leaves unexplained.
+        improbable: Squared distance of inertia and gravity from the simulation, in its stated error, beyond which they
+            are doubted: the 95 % point of chi-squared with three numbers. Lower values try more fits.
     """
 
     near: float = 0.9
     most_near: int = 2
     most_starts: int = 4
     hides: float = 4.0
+    improbable: float = 7.81
 
 
 @dataclass(frozen=True)
@@ -339,6 +362,7 @@ GATES = GateSettings()
 IN_PLACE = InPlaceSettings()
 LOCATION = LocationSettings()
 NEEDS = NeedSettings()
+UNDETERMINED = UndeterminedSettings()
 OVERTONES = OvertoneSettings()
 PARAMETERS = ParameterSettings()
 REPETITIONS = RepetitionSettings()

@@ -13,7 +13,7 @@ from ..search.search import SearchResult
 from .alias import list_aliases
 from .confirmation import Confirmation, confirm
 from .gates import covers, is_confirmed
-from .needs import list_objections
+from .needs import find_one_way, list_objections
 from .refitted import RefittedJoint
 from .repetition import Repetitions, repeat_choice
 from .settings import NEEDS
@@ -75,6 +75,7 @@ def _list_objections(
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
         return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")
     found_against = _find_forms(baseline, found, tried) | list_objections(RefittedJoint.refit(baseline, tried))
+    found_against |= find_one_way(tried.names, [one.velocity for one in baseline.structure.contexts])
     for name in tried.names:
         share = repetitions.compute_share_of_any((name, *list_aliases(found, name)))
         if share < NEEDS.share and name not in found_against:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.errors import MissingExtraError
+from fricomp.mujoco_warnings import silence_mujoco
 
 from ..effects.forward_part import ForwardPart
 from ..effects.two_masses import Coupling
@@ -99,11 +100,12 @@ def simulate_forward(run: Run) -> FloatArray:
     data: Any = mujoco.MjData(model)
     joint = _Joint(run, model, data, step)
     out = np.empty(run.stop - run.start)
-    for k in range(run.start, run.stop):
-        out[k - run.start] = data.qpos[0]
-        for _ in range(substeps):
-            joint.push(k)
-            mujoco.mj_step(model, data)
+    with silence_mujoco():
+        for k in range(run.start, run.stop):
+            out[k - run.start] = data.qpos[0]
+            for _ in range(substeps):
+                joint.push(k)
+                mujoco.mj_step(model, data)
     return out
 
 

@@ -44,6 +44,9 @@ class InputSettings:
     """Variance by fifth over that by fourth differences below which these hold motion."""
     few_moving: float = 0.1
     """Part of moving samples below which resting ones are used as well."""
+    late_left: float = 0.5
+    """Part that a delay leaves of what a rigid joint misses of the torque, below which the search starts from that
+    delay as well: no fit of small steps finds it, where the torque turns faster than it comes."""
     student_tails: tuple[tuple[float, float, float], ...] = (
         (2.5, 0.613, 6.9),
         (3.0, 0.748, 5.8),

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 from scipy.optimize import nnls
 from scipy.signal import lfilter, savgol_filter
 
 from .controller import Controller
 from .settings import INPUT
 from .signal import FloatArray, differentiate
+from .spikes import remove_spikes
 
 __all__ = [
     "SIMULATED_SPRING",
@@ -93,6 +93,8 @@ class Track:
         name: What to call this recording.
         substeps: In how many steps the observer takes each sample; empty before that is known. Shape (n,).
         usual_delay: By how much its torque is late without any flaw, and how far that strays [s].
+        delays: Earliest and latest that a torque without any flaw comes [s].
+        acts_late: Time by which the recorded torque was moved, since it acts so long after its stamp [s].
         source: Number of the recording that it is a part of: an encoder's zero and a payload are the same in all parts.
     """
 
@@ -109,6 +111,8 @@ class Track:
     loop: Controller | None = None
     substeps: NDArray[np.int64] = field(default_factory=lambda: np.ones(0, dtype=np.int64))
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
+    delays: tuple[float, float] = (-5e-4, 5e-4)
+    acts_late: float = 0.0
     source: int = 0
 
     @property
@@ -145,7 +149,7 @@ class Track:
         velocity = differentiate(position, dt)
         if noise is None:
             noise = measure_torque_noise(torque, find_calm_samples(position, velocity, dt))
-            torque = remove_spikes(torque, noise.size)
+            torque = remove_spikes(torque, noise.size, position, dt)
         return cls(
             dt=dt,
             position=position,
@@ -174,13 +178,6 @@ def find_encoder_step(position: FloatArray) -> float:
     step = float(np.median(small / np.maximum(np.round(small / step), 1.0)))
     multiple = small / step
     return step if float(np.mean(np.abs(multiple - np.round(multiple)) < 0.05)) > 0.95 else 0.0
-
-
-def remove_spikes(values: FloatArray, noise: float) -> FloatArray:
-    """Put samples that stand out from their neighbours' median by many noise deviations back on that median."""
-    middle = median_filter(values, 7, mode="nearest")
-    limit = INPUT.spike * max(noise, 1e-3 * float(np.std(values)))
-    return np.where(np.abs(values - middle) > limit, middle, values)
 
 
 def find_calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArray[np.bool_]:

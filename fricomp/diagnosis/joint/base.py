@@ -125,20 +125,14 @@ def align_falls(theta: FloatArray) -> FloatArray | None:
     return result
 
 
-def is_at_latest(plant: Plant) -> bool:
+def is_at_latest(plant: Plant, latest: float) -> bool:
     """Whether the torque comes about as late as the base allows, so that a longer delay may hide behind it."""
-    return plant.delay > JOINT.at_bound_share * JOINT.longest_delay
+    return plant.delay > JOINT.at_bound_share * latest
 
 
-def is_at_earliest(plant: Plant, dt: float) -> bool:
+def is_at_earliest(plant: Plant, earliest: float) -> bool:
     """Whether the torque comes about as early as the base allows, so that a lag may hide behind it."""
-    return plant.delay < JOINT.at_bound_share * _compute_earliest(dt)
-
-
-def _compute_earliest(dt: float) -> float:
-    """Compute the least delay of the base [s]. A torque may belong to either end of its sample, less what a usual chain
-    is late: for samples of a millisecond to the middle, since a whole one would swallow real lags."""
-    return -max(0.5 * dt, dt - JOINT.longest_delay)
+    return plant.delay < JOINT.at_bound_share * earliest
 
 
 @dataclass(frozen=True)
@@ -155,10 +149,30 @@ class BaseModel:
 
     @classmethod
     def build_around(
-        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known: RigidJoint | None = None
+        cls,
+        plant: Plant,
+        *,
+        delays: tuple[float, float],
+        top_speed: float,
+        torques: tuple[float, float],
+        rotary: bool,
+        known: RigidJoint | None = None,
     ) -> BaseModel:
-        """Build the domain around a first estimate of the plant. Inertia and gravity of a simulation bind it weakly."""
-        level = max(plant.level, 1e-6)
+        """Build the domain around a first estimate of the plant.
+
+        What is missing may have bent that estimate to nearly no friction, or to more than the drive could overcome:
+        how much friction there may be is a matter of the recorded torque.
+
+        Args:
+            plant: The first estimate.
+            delays: Earliest and latest that a torque without any flaw comes [s].
+            top_speed: Of the recordings [rad/s] or [m/s].
+            torques: Typical and largest size of the recorded torque [N·m].
+            rotary: Whether gravity depends on the sine of the position.
+            known: Inertia and gravity of a simulation, which bind it weakly.
+        """
+        typical, largest = torques
+        level = max(min(plant.level, largest), JOINT.least_level * typical, 1e-6)
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)
         gravity_free = 100.0 * size if rotary else 0.0
@@ -167,21 +181,21 @@ class BaseModel:
             replace(
                 plant,
                 sigma_0=plant.level / JOINT.usual_bristle,
-                delay=0.5 * (JOINT.longest_delay + _compute_earliest(dt)),
+                delay=0.5 * sum(delays),
                 sharpness=0.5,
             )
         )
         friction_low = [0.0, 0.0, np.log(top_speed * 5e-4), 0.0]
-        friction_high = [50 * level, 10 * level, np.log(top_speed), 50 * viscous]
+        friction_high = [min(50 * level, max(largest, level)), 10 * level, np.log(top_speed), 50 * viscous]
         friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
         inertia = start[0]
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (JOINT.longest_delay - _compute_earliest(dt))
+        reach = 0.5 * (delays[1] - delays[0])
         bristle_scale = [0.5 * reach, 0.2 * JOINT.largest_damping_time, 0.3, 0.5, JOINT.held_scale, JOINT.held_scale]
-        low = np.array([*lower, _compute_earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
-        high = np.array([*upper, JOINT.longest_delay, JOINT.largest_damping_time, 1.0, 1.5, 0.0, 0.0])
+        low = np.array([*lower, delays[0], 0.0, 0.0, 0.0, 0.0, 0.0])
+        high = np.array([*upper, delays[1], JOINT.largest_damping_time, 1.0, 1.5, 0.0, 0.0])
         centre = start.copy()
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)

@@ -14,6 +14,7 @@ from fricomp.recording import Recording
 from ..inputs.checks import PART_OF
 from ..inputs.controller import Controller
 from ..inputs.rigid import Spring
+from ..inputs.spikes import remove_spikes
 from ..inputs.track import (
     SIMULATED_SPRING,
     SIMULATED_STIFFNESS,
@@ -24,7 +25,6 @@ from ..inputs.track import (
     find_calm_samples,
     find_encoder_step,
     measure_torque_noise,
-    remove_spikes,
 )
 from .settings import JOINT
 
@@ -39,7 +39,10 @@ def has_low_rate(recordings: Sequence[Recording]) -> bool:
 
 
 def build_tracks(
-    recordings: Sequence[Recording], loops: Sequence[Controller | None] = (), spring: Spring | None = None
+    recordings: Sequence[Recording],
+    loops: Sequence[Controller | None] = (),
+    spring: Spring | None = None,
+    acts_late: float = 0.0,
 ) -> list[Track]:
     """One track for each recording, all on the same grid.
 
@@ -47,6 +50,7 @@ def build_tracks(
         recordings: Recordings of one joint.
         loops: What moved the joint in each of them; none where that is not known.
         spring: Spring of the simulation. Its torque is taken off: the joint without it is fitted and compared.
+        acts_late: Time after its stamp at which the torque acts [s]: it is moved there.
 
     Raises:
         DiagnosisError: The recordings mix rotary and linear joints.
@@ -58,13 +62,23 @@ def build_tracks(
     known = loops or [None] * len(recordings)
     tracks = [
         replace(
-            _build_track(recording, loop, dt, f"recording {i + 1}"),
-            usual_delay=_estimate_usual_delay(recording),
+            _build_track(_move_torque(recording, acts_late), loop, dt, f"recording {i + 1}"),
+            usual_delay=_estimate_usual_delay(recording, acts_late),
+            delays=_bound_usual_delay(recording.sample_period, acts_late),
+            acts_late=acts_late,
             source=source,
         )
         for i, (recording, loop, source) in enumerate(zip(recordings, known, _number_sources(recordings), strict=True))
     ]
     return tracks if spring is None else [_remove_spring(track, spring) for track in tracks]
+
+
+def _move_torque(recording: Recording, acts_late: float) -> Recording:
+    """The recording with its torque where it acts; the first one is held before it comes."""
+    if acts_late == 0.0:
+        return recording
+    time = np.asarray(recording.time)
+    return replace(recording, torque=np.interp(time - acts_late, time, recording.torque))
 
 
 def _number_sources(recordings: Sequence[Recording]) -> list[int]:
@@ -74,8 +88,8 @@ def _number_sources(recordings: Sequence[Recording]) -> list[int]:
     return [used.index(number) for number in numbers]
 
 
-def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
-    """By how much a torque without any flaw is late, and the standard deviation of that [s].
+def _estimate_usual_delay(recording: Recording, moved: float) -> tuple[float, float]:
+    """By how much a torque without any flaw is late behind the `moved` one, and the standard deviation of that [s].
 
     A command is held for a sample, so that it acts half of one after its instant; a measured torque is the mean about
     it. Which of the two a log holds is often not said, drives differ in when they sample, and a usual filter of a
@@ -83,7 +97,17 @@ def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
     """
     half = 0.5 * recording.sample_period
     spread = float(np.hypot(0.5 * max(half, JOINT.longest_delay), recording.metadata.clock_error or 0.0))
-    return -half if recording.metadata.torque_kind == "commanded" else 0.0, spread
+    return moved - (half if recording.metadata.torque_kind == "commanded" else 0.0), spread
+
+
+def _bound_usual_delay(period: float, moved: float) -> tuple[float, float]:
+    """Earliest and latest that a torque without any flaw comes [s]; one that was moved may belong where it was.
+
+    It may belong to either end of its sample, less what a usual chain is late: for samples of a millisecond to the
+    middle, since a whole one would swallow real lags. What a grid finer than the samples is made of plays no part.
+    """
+    half = 0.5 * period
+    return -max(half, period - JOINT.longest_delay), moved + max(half, JOINT.longest_delay)
 
 
 def _remove_spring(track: Track, spring: Spring) -> Track:
@@ -115,7 +139,7 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
     if recording.sample_period > 1.5 * dt:
         velocity = differentiate(position, recording.sample_period)
         seen = measure_torque_noise(torque, find_calm_samples(position, velocity, recording.sample_period))
-        torque = remove_spikes(torque, seen.size)
+        torque = remove_spikes(torque, seen.size, position, recording.sample_period)
         noise = TorqueNoise(0.0, seen.size, float(np.exp(-dt / recording.sample_period)))
     track = Track.build(
         dt,

@@ -12,7 +12,8 @@ from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.optimize import nnls
 
 from ..inputs.delay import shift
-from ..inputs.track import FloatArray, TorqueNoise, Track, differentiate, remove_spikes
+from ..inputs.spikes import take_out_spikes
+from ..inputs.track import FloatArray, TorqueNoise, Track, differentiate
 from .observer import Contribution, Job, Observation, Plant
 from .problem import Problem, Weights, improve_track
 from .settings import JOINT
@@ -187,7 +188,7 @@ def _draw_null(
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
-    torque = remove_spikes(torque + noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
+    torque = torque + take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     return replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))

@@ -41,6 +41,9 @@ class JointSettings:
         3.0,
     )
     """Longest step of each parameter of the base in its scale. Those that enter linearly may go anywhere at once."""
+    least_level: float = 0.02
+    """Least Coulomb torque, in the deviation of the recorded torque, about which the base is looked for. A lower one
+    shuts the friction of a joint out where a stop has bent the first estimate to none."""
     uneven_share: float = 0.1
     """Part of the Coulomb torque by which both directions must differ before the fit is repeated from even
     directions. A lower one costs fits and finds nothing."""

@@ -28,7 +28,8 @@ class FileErrors(msgspec.Struct, frozen=True, kw_only=True):
         before: Of the base model, held out.
         after: Of the model with what was named, held out; None where no law holds it.
         file: Of `friction.json` as it was written, over all recordings; torque alone.
-        folds: Parts of the data that were left out in turn; `held_out.json` has the models and times of each.
+        folds: Parts of the data that were left out in turn, of which `held_out.json` has the models and times; 1 where
+            one part was left out and the rest was not, as of the joints of an arm.
         missing: Effects that were named and that no term of the file holds.
     """
 
@@ -37,6 +38,11 @@ class FileErrors(msgspec.Struct, frozen=True, kw_only=True):
     file: ModelErrors
     folds: int
     missing: tuple[str, ...] = ()
+
+    @property
+    def gets_worse(self) -> bool:
+        """Whether the torque error does not fall with what was named."""
+        return self.after is not None and self.after.torque.rms >= self.before.torque.rms
 
     @property
     def written(self) -> ModelErrors:

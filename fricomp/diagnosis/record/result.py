@@ -17,6 +17,7 @@ from .overview import DiagnosisOverview
 
 __all__ = [
     "DIAGNOSIS_SCHEMA",
+    "FRICTION_CHANGES",
     "Change",
     "Diagnosis",
     "DiagnosisRecord",
@@ -35,6 +36,9 @@ __all__ = [
 
 DIAGNOSIS_SCHEMA = "fricomp.diagnosis/1"
 
+FRICTION_CHANGES = ("frictionloss", "damping")
+"""Changes of a simulation's own friction, by the names that MJCF has for it."""
+
 VerdictName = Literal["consistent", "parameters", "measurement", "missing_physics", "unknown_physics", "bad_data"]
 Kind = Literal["physics", "measurement", "parameter"]
 Interval = tuple[float, float]
@@ -42,11 +46,19 @@ Location = dict[str, list[Interval]]
 
 
 class Quantity(msgspec.Struct, frozen=True):
-    """A number with its unit and its 95 % interval."""
+    """A number with its unit and its 95 % interval.
+
+    Attributes:
+        value: The number.
+        unit: Its unit; "1" for none.
+        ci95: Ends of the interval.
+        at_bound: Whether it stands where its domain or the search for it ends, and the data ask for more than that.
+    """
 
     value: float
     unit: str
     ci95: Interval
+    at_bound: bool = False
 
 
 class NamedEffect(msgspec.Struct, frozen=True, kw_only=True):
@@ -170,7 +182,8 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
         schema: "fricomp.diagnosis/1".
         verdict: The answer in one word.
         effects: What was named, of any kind, strongest first.
-        sentences: The answer in plain words, most important first.
+        summary: The answer in a few sentences: what is wrong, where, what it is, what to do.
+        sentences: The whole answer in plain words, most important first.
         errors: Of the models that are written, in the units of the recording, on held-out data; None where none is.
         heldout: Whitened errors of the rows that decide, before and after; None where nothing could be simulated.
         forward: Errors of a forward simulation; None where no loop is known or no reference was recorded.
@@ -179,6 +192,8 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
         noise_ratio: Residual of the base model over its noise floor.
         coverage: Part of the explainable energy that the named effects cover; None where nothing stood out.
         base: Parameters of the refitted base model.
+        undetermined: Names of numbers of the base, and of effects as `effect.number`, that these recordings do not
+            determine: half of the interval is more than the number, and what it may be makes a difference.
         changes: Parameters of the given simulation that the refit moved.
         rivals: Explanations that were weighed, best first.
         probability: Of each name that came up, of "nothing" and of "unknown": how often the answer comes again on parts
@@ -192,6 +207,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
     schema: str
     verdict: VerdictName
     effects: tuple[NamedEffect, ...] = ()
+    summary: tuple[str, ...] = ()
     sentences: tuple[str, ...] = ()
     errors: FileErrors | None = None
     heldout: HeldOut | None = None
@@ -201,6 +217,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
     noise_ratio: float | None = None
     coverage: float | None = None
     base: dict[str, Quantity] = {}
+    undetermined: tuple[str, ...] = ()
     changes: tuple[Change, ...] = ()
     rivals: tuple[Rival, ...] = ()
     probability: dict[str, float] = {}

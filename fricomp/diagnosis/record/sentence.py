@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from msgspec.structs import replace
 
+from fricomp.overview import AT_BOUND
+
+from .brief import write_summary
 from .file_errors import FileErrors, ModelErrors
 from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
-from .whereabouts import describe_whereabouts
+from .whereabouts import describe_whereabouts, list_whereabouts
 
 __all__ = [
     "FOREIGN_CURVE",
@@ -18,10 +21,12 @@ __all__ = [
     "NOTHING_BUT_SHARED",
     "NO_MOTION",
     "Notes",
+    "describe_base",
     "describe_detent",
     "describe_errors",
     "describe_forward",
     "describe_parameter",
+    "describe_rest",
     "write_record",
     "write_sentences",
 ]
@@ -76,13 +81,17 @@ class Notes:
 
 
 def write_record(fields: DiagnosisRecord, notes: Notes) -> DiagnosisRecord:
-    """The record with its sentences: the only place where they are made.
+    """The record with its sentences, all of them and the few of the summary: the only place where they are made.
 
     Args:
         fields: Everything but the sentences.
         notes: What they say besides.
     """
-    return replace(fields, sentences=write_sentences(fields, notes))
+    gain = "" if fields.errors is None else f"{_describe_torque(fields.errors, fields.heldout)}."
+    careful = [] if fields.errors is None else _describe_missing(fields.errors, fields.heldout)
+    facts = tuple(one for one in (_describe_undetermined(fields), *careful, *notes.facts, *notes.remarks) if one)
+    summary = write_summary(fields, notes.opening or _OPENING[fields.verdict], notes.lead, _locate(fields), gain, facts)
+    return replace(fields, summary=summary, sentences=write_sentences(fields, notes))
 
 
 def write_sentences(record: DiagnosisRecord, notes: Notes = Notes()) -> tuple[str, ...]:
@@ -90,9 +99,9 @@ def write_sentences(record: DiagnosisRecord, notes: Notes = Notes()) -> tuple[st
     lines = [notes.opening or _OPENING[record.verdict], *notes.lead]
     if record.noise_ratio is not None:
         lines.append(_describe_loudness(record.noise_ratio, record.heldout))
-    if record.verdict == "unknown_physics" or record.effects:
-        lines.append(_describe_vibration(record) or describe_whereabouts(record))
-    lines += [_describe_effect(effect) for effect in record.effects]
+    lines.append(_describe_where(record))
+    lines += [_describe_effect(effect, record.undetermined) for effect in record.effects]
+    lines.append(_describe_undetermined(record))
     lines += [] if record.errors is None else describe_errors(record.errors, record.heldout)
     if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
         lines.append(f"{_describe_improvement(record.heldout)} {_describe_share(record.heldout, record.effects)}")
@@ -123,28 +132,31 @@ def describe_forward(forward: Forward) -> str:
 
 def describe_errors(errors: FileErrors, held: HeldOut | None = None) -> list[str]:
     """What the written models are worth on held-out data, in the units of the recording; what they do not hold."""
-    before, after = errors.before, errors.written
-    first, last = before.torque, after.torque
-    band = f"in the band up to {last.band:g} Hz, while the joint moves"
+    motion = _describe_motion(errors.before, errors.written, moved=errors.after is not None)
+    return [f"{_describe_torque(errors, held)}{motion}.", *_describe_missing(errors, held)]
+
+
+def _describe_torque(errors: FileErrors, held: HeldOut | None) -> str:
+    first, last = errors.before.torque, errors.written.torque
+    whole = f"{errors.file.torque.rms:.3g} {last.unit} by friction.json over all data"
+    band = f"in the band up to {last.band:g} Hz, while the joint moves; {whole}"
     if errors.after is None:
-        text = f"On held-out data friction.json misses {last.rms:.3g} {last.unit} of the torque ({band})"
-    else:
-        given = " with the parameters as given" if held is not None and held.before == "given" else ""
-        way = "falls" if last.rms < first.rms else "rises"
-        figures = f"{first.rms:.3g} to {last.rms:.3g} {last.unit}"
-        text = f"On held-out data the torque error{given} {way} from {figures} ({band})"
-    lines = [f"{text}{_describe_motion(before, after, moved=errors.after is not None)}."]
-    if errors.missing:
-        lines.append(
-            f"Careful: friction.json has no term for {', '.join(errors.missing)}: what it leaves of the torque is "
-            f"{errors.file.torque.rms:.3g} {errors.file.torque.unit}"
-            + (
-                f", and what was found leaves {held.rmse_after:.3g} {held.unit} (whitened)."
-                if held is not None
-                else "."
-            )
-        )
-    return lines
+        return f"On held-out data the refitted model misses {last.rms:.3g} {last.unit} of the torque ({band})"
+    given = " with the parameters as given" if held is not None and held.before == "given" else ""
+    way = "falls" if last.rms < first.rms else "rises"
+    return f"On held-out data the torque error{given} {way} from {first.rms:.3g} to {last.rms:.3g} {last.unit} ({band})"
+
+
+def _describe_missing(errors: FileErrors, held: HeldOut | None) -> list[str]:
+    """What the written model has no term for."""
+    if not errors.missing:
+        return []
+    left = errors.file.torque
+    found = f", and what was found leaves {held.rmse_after:.3g} {held.unit} (whitened)" if held is not None else ""
+    return [
+        f"Careful: friction.json has no term for {', '.join(errors.missing)}: what it leaves of the torque is "
+        f"{left.rms:.3g} {left.unit}{found}."
+    ]
 
 
 def _describe_motion(before: ModelErrors, after: ModelErrors, *, moved: bool) -> str:
@@ -156,6 +168,14 @@ def _describe_motion(before: ModelErrors, after: ModelErrors, *, moved: bool) ->
     return (
         f"; simulated from measured states under the recorded torque, the position is off after {last.after:g} s by "
         f"{last.median:.3g} {last.unit}{was} (median)"
+    )
+
+
+def describe_rest(noise_ratio: float) -> str:
+    """What a ripple of the samples leaves to something unknown."""
+    return (
+        f"Without it the rows leave {noise_ratio:.2f} times their noise: more is missing that no effect of the "
+        "catalogue explains."
     )
 
 
@@ -193,9 +213,27 @@ def _format_percent(share: float) -> str:
     return "less than 1 %" if share < 0.01 else f"{100.0 * share:.0f} %"
 
 
-def _describe_effect(effect: NamedEffect) -> str:
+def _describe_undetermined(record: DiagnosisRecord) -> str:
+    """Numbers of the joint that are none, though the files have to hold some; empty where all are known."""
+    names = [describe_base(name) for name in record.undetermined if name in record.base]
+    if not names:
+        return ""
+    return f"Careful: not determined by this recording: {', '.join(names)}; the files hold one of many values that fit."
+
+
+def describe_base(name: str) -> str:
+    """The name of a number of the base in words: `forward.coulomb_torque` is `coulomb torque forward`."""
+    return " ".join(describe_parameter(part) for part in reversed(name.split(".")))
+
+
+def _describe_effect(effect: NamedEffect, undetermined: Collection[str] = ()) -> str:
     numbers = ", ".join(
-        f"{describe_parameter(name)} {q.value:.4g}{_format_unit(q.unit)}{_format_interval(q)}"
+        f"{describe_parameter(name)} "
+        + (
+            f"not determined{_format_interval(q)}"
+            if f"{effect.name}.{name}" in undetermined
+            else f"{q.value:.4g}{_format_unit(q.unit)}{_format_interval(q)}"
+        )
         for name, q in effect.parameters.items()
     )
     text = f"{effect.name}: {effect.sentence}"
@@ -209,12 +247,26 @@ def _describe_effect(effect: NamedEffect) -> str:
 def _format_interval(quantity: Quantity) -> str:
     """In brackets; nothing for a number that was chosen among a few, such as the order of a filter."""
     low, high = quantity.ci95
-    return "" if low == high else f" ({low:.4g} to {high:.4g})"
+    told = [] if low == high else [f"{low:.4g} to {high:.4g}"]
+    told += [AT_BOUND] if quantity.at_bound else []
+    return f" ({', '.join(told)})" if told else ""
 
 
 def _format_unit(unit: str) -> str:
     """Behind a number; nothing for a plain one."""
     return "" if unit in ("", "1") else f" {unit}"
+
+
+def _describe_where(record: DiagnosisRecord) -> str:
+    """Where the mismatch sits; empty where nothing is missing, or nobody looked."""
+    if record.verdict != "unknown_physics" and not record.effects:
+        return ""
+    return _describe_vibration(record) or describe_whereabouts(record)
+
+
+def _locate(record: DiagnosisRecord) -> str:
+    """The same in one sentence: of several effects, where each of them shows."""
+    return _describe_vibration(record) or list_whereabouts(record)[-1] if _describe_where(record) else ""
 
 
 def _describe_vibration(record: DiagnosisRecord) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .result import DiagnosisRecord, Interval, Location, NamedEffect
 
-__all__ = ["describe_whereabouts"]
+__all__ = ["describe_whereabouts", "list_whereabouts"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,12 @@ _SPREAD = "The mismatch is spread over the whole recording: no time, speed, posi
 
 
 def describe_whereabouts(record: DiagnosisRecord) -> str:
-    """Which times, speeds, positions, loads and so on carry most of the mismatch; empty where nobody looked.
+    """Which times, speeds, positions, loads and so on carry most of the mismatch; empty where nobody looked."""
+    return " ".join(list_whereabouts(record))
+
+
+def list_whereabouts(record: DiagnosisRecord) -> tuple[str, ...]:
+    """The same, one sentence each: of the whole, and of several effects by effect.
 
     The quantities of a location stand in the order in which they single it out. Of several effects, each has its
     strongest fact behind those of the whole.
@@ -50,8 +55,8 @@ def describe_whereabouts(record: DiagnosisRecord) -> str:
     lines = [f"Most of the mismatch sits{joint} {'; '.join(facts[: WORDING.most_facts])}."] if facts else []
     lines += [f"By effect: {'; '.join(parts)}."] if parts else []
     if not lines and (record.location or record.verdict == "unknown_physics"):
-        return _SPREAD
-    return " ".join(lines)
+        return (_SPREAD,)
+    return tuple(lines)
 
 
 def _list_facts(record: DiagnosisRecord, location: Location) -> list[str]:

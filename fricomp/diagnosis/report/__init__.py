@@ -5,6 +5,7 @@ from .fleet import build_fleet_row, build_fleet_table, write_fleet
 from .page import build_diagnosis_page, draw_diagnosis_charts
 from .tables import (
     build_base_table,
+    build_brief_effect_table,
     build_change_table,
     build_effect_table,
     build_error_table,
@@ -27,6 +28,7 @@ __all__ = [
     "Units",
     "WrittenDiagnosis",
     "build_base_table",
+    "build_brief_effect_table",
     "build_change_table",
     "build_diagnosis_page",
     "build_effect_table",

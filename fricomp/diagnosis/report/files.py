@@ -22,9 +22,8 @@ from fricomp.whole_file import write_whole
 
 from ..effects import EFFECTS
 from ..effects.spring import SPRING_CHANGE
-from ..evidence.friction_comparison import FRICTION_CHANGES
 from ..record.record_file import save_diagnosis
-from ..record.result import Diagnosis
+from ..record.result import FRICTION_CHANGES, Diagnosis
 from .network import save_extended_network
 from .over_time import list_motion_columns
 from .page import build_diagnosis_page, draw_diagnosis_charts
@@ -57,6 +56,7 @@ def write_diagnosis(
     simulation: Path | None = None,
     joint: str | None = None,
     facts: Mapping[str, str] | None = None,
+    pictures: bool = True,
 ) -> WrittenDiagnosis:
     """Write the record, the report with its pictures, and where there are any the models and the proposed motion.
 
@@ -66,6 +66,7 @@ def write_diagnosis(
         simulation: MJCF file of the joint, to write the friction into; a snippet is written without it.
         joint: Name of the joint in it; its only joint, or the one that the recording names, if not given.
         facts: Lines for the section on how it was made.
+        pictures: Whether the charts of the report are written as PNG beside it, too.
 
     Raises:
         DiagnosisError: The record cannot be written.
@@ -77,10 +78,10 @@ def write_diagnosis(
     save_diagnosis(diagnosis, target / "diagnosis.json")
     models, notes = _write_models(diagnosis, target, simulation, joint)
     charts = draw_diagnosis_charts(diagnosis)
-    pictures = [draw_png(chart, target / f"{name}.png") for name, chart in charts.items()]
+    drawn = [draw_png(chart, target / f"{name}.png") for name, chart in charts.items()] if pictures else []
     page = build_diagnosis_page(diagnosis, charts, tuple(notes), facts or {}, target)
     report = write_report(page, target / "report.html")
-    return WrittenDiagnosis(target, (target / "diagnosis.json", report, *models, *pictures), tuple(notes))
+    return WrittenDiagnosis(target, (target / "diagnosis.json", report, *models, *drawn), tuple(notes))
 
 
 def _write_models(
@@ -155,13 +156,23 @@ def _save_mjcf(diagnosis: Diagnosis, simulation: Path | None, joint: str | None)
         if diagnosis.recorded is not None and model.dynamics is not None:
             with suppress(FricompError):  # a file that includes others is written into, but not simulated on its own
                 fit = fit_mjcf(model, diagnosis.recorded, text, name)
-                write_whole(path, fit.text)
+                write_whole(path, _note_undetermined(fit.text, model))
                 return fit.describe()
         export = export_mjcf(model)
-        write_whole(path, apply_to_mjcf(export, text, name))
+        write_whole(path, _note_undetermined(apply_to_mjcf(export, text, name), model))
         return str(export.fidelity)
 
     return write
+
+
+def _note_undetermined(text: str, model: FrictionModel) -> str:
+    """The MJCF with a comment above its root on the numbers that the recordings do not determine."""
+    names = model.provenance.notes.get("undetermined")
+    if not names:
+        return text
+    declared, rest = text.split("?>", 1) if text.startswith("<?xml") else ("", text)
+    head = f"{declared}?>\n" if declared else ""
+    return f"{head}<!-- Not determined by the recording, one of many values: {names} -->\n{rest.lstrip()}"
 
 
 def _find_only_joint(text: str) -> str | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,9 +74,18 @@ def write_fleet(rows: Sequence[_Row], folder: Path) -> Path:
     sections = [Section("How often each is missing", (_build_count_table(done),))] if named else []
     chart = _draw_shares(named[: REPORT.joints])
     sections += [Section("Which misses what", (chart,))] if chart is not None else []
-    sections.append(Section("Each", (build_fleet_table(rows),)))
+    links = {str(row["name"]): f"{row['name']}/report.html" for row in done}
+    sections.append(Section("Each", (replace(build_fleet_table(rows), links=links, filtered=True),)))
+    bad = sum(bool(row["error"]) or row.get("verdict") == "bad_data" for row in rows)
     return write_report(
-        ReportPage(f"Diagnosis of {len(rows)} joints", tuple(summary), tuple(sections)), folder / "fleet.html"
+        ReportPage(
+            f"Diagnosis of {len(rows)} joints",
+            tuple(summary),
+            tuple(sections),
+            outcome="warning" if bad else "note",
+            verdict=f"{bad} of {len(rows)} could not be diagnosed" if bad else "",
+        ),
+        folder / "fleet.html",
     )
 
 

@@ -118,7 +118,9 @@ def draw_time_chart(
 
 def _find_range(rows: Sequence[FloatArray], noise: FloatArray) -> tuple[float, float]:
     """What shows all rows and the usual noise; its few wide places would leave the rows a flat line."""
-    largest = max(float(np.nanmax(np.abs(each), initial=0.0)) for each in (*rows, np.nanmedian(noise, keepdims=True)))
+    known = noise[np.isfinite(noise)]
+    usual = np.median(known, keepdims=True) if known.size else np.zeros(1)
+    largest = max(float(np.nanmax(np.abs(each), initial=0.0)) for each in (*rows, usual))
     reach = 1.1 * largest if largest > 0.0 else 1.0
     return -reach, reach
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from fricomp.recording.parts.data_chart import build_data_table, draw_data_chart
-from fricomp.report import Chart, ReportPage, Section, Table
+from fricomp.report import Chart, Outcome, ReportPage, Section, Table
 
 from ..record.result import Diagnosis, Evidence, NamedEffect
 from .maps import draw_map_chart, draw_plane_chart
@@ -125,7 +126,20 @@ def build_diagnosis_page(
         summary=record.sentences if step is None else (*record.sentences, step),
         sections=tuple(section for section in sections if section is not None),
         facts=_list_key_figures(diagnosis, units),
+        outcome=_OUTCOMES[record.verdict],
+        verdict="Not usable: the data cannot be diagnosed" if record.verdict == "bad_data" else "",
     )
+
+
+_OUTCOMES: Final[dict[str, Outcome]] = {
+    "bad_data": "failed",
+    "consistent": "passed",
+    "parameters": "warning",
+    "measurement": "warning",
+    "missing_physics": "note",
+    "unknown_physics": "warning",
+}
+"""What the first card looks like."""
 
 
 def _name_joint(name: str) -> str:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from fricomp.report import Table
 
-from ..evidence.friction_comparison import FRICTION_CHANGES
 from ..record.file_errors import ModelErrors
-from ..record.result import DiagnosisRecord
+from ..record.result import FRICTION_CHANGES, DiagnosisRecord, Quantity
 from .over_time import BASE, NAMED, name_models
 from .wording import (
     Units,
@@ -20,6 +19,7 @@ from .wording import (
 
 __all__ = [
     "build_base_table",
+    "build_brief_effect_table",
     "build_change_table",
     "build_effect_table",
     "build_error_table",
@@ -43,14 +43,38 @@ def build_effect_table(record: DiagnosisRecord) -> Table | None:
         head: tuple[str, ...] = (effect.name,)
         rest = (share, aliases)
         for name, quantity in derive_parameters(effect).items():
-            unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-            value = format_number(quantity.value, 0.5 * (quantity.ci95[1] - quantity.ci95[0]) or None)
-            rows.append((*head, describe_name(name), value + unit, format_interval(quantity), *rest))
+            known = f"{effect.name}.{name}" not in record.undetermined
+            rows.append((*head, describe_name(name), *_format_value(quantity, determined=known), *rest))
             head, rest = ("",), ("", "")
         if not effect.parameters:
             rows.append((*head, "–", "–", "–", *rest))
     columns = ("effect", "parameter", "value", "95 % interval", "share", "cannot be told from")
     return Table(columns, tuple(rows)) if rows else None
+
+
+def build_brief_effect_table(record: DiagnosisRecord) -> Table | None:
+    """The same for a terminal: no share, no aliases, and of a ripple its amplitude and order alone."""
+    rows: list[tuple[str, ...]] = []
+    for effect in record.effects:
+        head = effect.name
+        found = derive_parameters(effect)
+        for name, quantity in found.items():
+            wave = name.removeprefix("sine").removeprefix("cosine")
+            if (wave != name and f"amplitude{wave}" in found) or (name == "period" and "order" in found):
+                continue
+            known = f"{effect.name}.{name}" not in record.undetermined
+            rows.append((head, describe_name(name), *_format_value(quantity, determined=known)))
+            head = ""
+    return Table(("effect", "parameter", "value", "95 % interval"), tuple(rows)) if rows else None
+
+
+def _format_value(quantity: Quantity, *, determined: bool) -> tuple[str, str]:
+    """Value with its unit, where there is one, and the interval."""
+    if not determined:
+        return "not determined", format_interval(quantity)
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    value = format_number(quantity.value, 0.5 * (quantity.ci95[1] - quantity.ci95[0]) or None)
+    return value + unit, format_interval(quantity)
 
 
 def build_error_table(record: DiagnosisRecord) -> Table | None:
@@ -75,11 +99,18 @@ def build_error_table(record: DiagnosisRecord) -> Table | None:
     )
     caption = (
         f"Torque in the band from 0 to {torque.band:g} Hz, while the joint moves: {torque.recorded:.4g} {torque.unit} "
-        f"RMS were recorded. Each of {found.folds} folds of the data by a model fitted to the others. Positions: "
+        f"RMS were recorded. {_describe_folds(found.folds)} Positions: "
         "medians of open-loop simulations under the recorded torque, from measured states. fricomp evaluate measures "
         "the same."
     )
     return Table(columns, tuple(rows), caption)
+
+
+def _describe_folds(folds: int) -> str:
+    """How data were left out: in turn, or once."""
+    if folds == 1:
+        return "A part of the data by a model fitted to the rest."
+    return f"Each of {folds} folds of the data by a model fitted to the others."
 
 
 def _list_errors(name: str, errors: ModelErrors, times: int) -> tuple[str, ...]:
@@ -140,7 +171,10 @@ def build_change_table(record: DiagnosisRecord) -> Table | None:
 
 def build_base_table(record: DiagnosisRecord) -> Table | None:
     """Parameters of the refitted base model."""
-    rows = tuple((describe_name(name), format_quantity(quantity)) for name, quantity in record.base.items())
+    rows = tuple(
+        (describe_name(name), format_quantity(quantity, determined=name not in record.undetermined))
+        for name, quantity in record.base.items()
+    )
     return Table(("parameter", "value"), rows, "The simulation, with its parameters refitted.") if rows else None
 
 

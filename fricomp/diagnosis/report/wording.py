@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from math import ceil, floor, isfinite, log10, pi
 from pathlib import Path
 
+from fricomp.overview import AT_BOUND
+
 from ..record.result import Diagnosis, DiagnosisRecord, Location, NamedEffect, Quantity
 from ..record.sentence import describe_parameter
 from .settings import REPORT
@@ -101,23 +103,27 @@ def format_number(value: float, step: float | None = None) -> str:
 def format_interval(quantity: Quantity) -> str:
     """The 95 % interval, without its unit; none of a number that was chosen among a few, such as a filter's order."""
     low, high = quantity.ci95
+    bound = f", {AT_BOUND}" if quantity.at_bound else ""
     if low == high:
-        return "–"
+        return AT_BOUND if quantity.at_bound else "–"
     if not (isfinite(low) and isfinite(high)):
-        return "not determined"
+        return f"not determined{bound}"
     step = 0.5 * (high - low) or None
-    return f"{format_number(low, step)} to {format_number(high, step)}"
+    return f"{format_number(low, step)} to {format_number(high, step)}{bound}"
 
 
-def format_quantity(quantity: Quantity) -> str:
-    """Value, half of its 95 % interval, and its unit; less where the interval spans orders of magnitude."""
+def format_quantity(quantity: Quantity, *, determined: bool = True) -> str:
+    """Value, half of its 95 % interval, and its unit; less where it is not determined, or spans orders of magnitude."""
     half = 0.5 * (quantity.ci95[1] - quantity.ci95[0])
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    bound = f", {AT_BOUND}" if quantity.at_bound else ""
+    if not determined:
+        return f"not determined (about {format_number(quantity.value)}{unit}, {format_interval(quantity)})"
     if not isfinite(half) or half <= 0.0:
-        return f"{format_number(quantity.value)}{unit}"
+        return f"{format_number(quantity.value)}{unit}{bound}"
     if quantity.ci95[0] >= 0.0 and quantity.ci95[1] > REPORT.undetermined * quantity.value:
-        return f"not determined (about {format_number(quantity.value)}{unit})"
-    return f"{format_number(quantity.value, half)} ± {format_number(half, half)}{unit}"
+        return f"not determined (about {format_number(quantity.value)}{unit}{bound})"
+    return f"{format_number(quantity.value, half)} ± {format_number(half, half)}{unit}{bound}"
 
 
 def format_location(location: Location, units: Units) -> str:

@@ -46,6 +46,7 @@ class SampleFinding:
         ripple: Order [1/rad] and amplitude [N·m] of a ripple; None for other effects.
         law: Friction law that takes the place of the base's; None where the base's stays.
         terms: Terms of a friction law beside the base's.
+        waves: Of a ripple, in each recording; empty for other effects.
     """
 
     name: str
@@ -62,12 +63,19 @@ class SampleFinding:
     ripple: tuple[float, float] | None = None
     law: FrictionLaw | None = None
     terms: tuple[Term, ...] = ()
+    waves: tuple[tuple[Harmonic, ...], ...] = ()
 
-    def extend(self, base: FrictionModel) -> FrictionModel | None:
-        """The refitted base with this effect; None where it belongs to no friction law."""
+    def extend(self, model: FrictionModel) -> FrictionModel | None:
+        """The base refitted, or that with effects of the rows, with this effect too; None where it belongs to no
+        friction law. Orders for which a law has no term left are left out."""
         if self.law is not None:
-            return base.with_law(self.law)
-        return base.with_law(FrictionLaw((*base.law.terms, *self.terms))) if self.terms else None
+            return model.with_law(self.law)
+        law = model.law
+        for term in self.terms:
+            used = {one.name for one in law.terms}
+            free = [kind for kind in _find_family(term) if kind.name not in used]
+            law = law.with_term(free[0](**term.parameters())) if free else law
+        return model.with_law(law) if self.terms else None
 
     @property
     def share(self) -> float:
@@ -90,6 +98,12 @@ class SampleFinding:
         return EFFECTS[self.name].citation
 
 
+def _find_family(term: Term) -> tuple[type[Term], ...]:
+    """The terms that draw the same kind of wave."""
+    family: tuple[type[Term], ...] = COGGING_TERMS if isinstance(term, COGGING_TERMS) else POSITION_COULOMB_TERMS
+    return family
+
+
 def describe_ripple(findings: Findings, ripples: Sequence[FineRipple]) -> SampleFinding:
     """A ripple that is finer than the rows."""
     unit = findings.case.unit
@@ -110,6 +124,7 @@ def describe_ripple(findings: Findings, ripples: Sequence[FineRipple]) -> Sample
         orders=ripples[0].orders,
         ripple=(strongest.order, strongest.amplitude),
         terms=_list_waves(ripples[0].harmonics),
+        waves=tuple(one.harmonics for one in ripples),
     )
 
 

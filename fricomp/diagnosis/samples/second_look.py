@@ -1,21 +1,28 @@
 """The stage that looks into the samples for what the rows leave open: soft presliding, fine ripple, a late drive.
 
-It gives a candidate; whether that takes the place of the search's answer is for the verdict to judge.
+It gives a candidate; whether that counts is for the verdict to judge. A ripple that counts is taken out of the torque,
+and the rows are searched again: what it had covered shows then.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
+from fricomp.recording import Recording
+
 from ..evidence.findings import Findings
+from ..inputs.track import FloatArray, differentiate
 from .drive_path import find_drive_path
-from .fine_ripple import FineRipple, find_fine_ripple
+from .fine_ripple import FineRipple, Harmonic, find_fine_ripple
 from .proving import is_beyond_the_base, is_softer_than_the_base
 from .sample_finding import SampleFinding, describe_drive_path, describe_presliding, describe_ripple
 from .settings import LOOK
 from .soft_presliding import SoftPresliding, find_soft_presliding
 
-__all__ = ["look_into_samples"]
+__all__ = ["look_into_samples", "remove_ripple"]
 
 
 def look_into_samples(findings: Findings) -> SampleFinding | None:
@@ -38,6 +45,25 @@ def look_into_samples(findings: Findings) -> SampleFinding | None:
         return describe_presliding(findings, soft)
     ripples = _find_ripples(findings)
     return describe_ripple(findings, ripples) if ripples else None
+
+
+def remove_ripple(recordings: Sequence[Recording], found: SampleFinding) -> tuple[Recording, ...]:
+    """The recordings without the torque of the ripple that the samples show."""
+    return tuple(
+        replace(one, torque=np.asarray(one.torque) - _compute_waves(one, waves))
+        for one, waves in zip(recordings, found.waves, strict=True)
+    )
+
+
+def _compute_waves(recording: Recording, waves: Sequence[Harmonic]) -> FloatArray:
+    """Torque of a ripple along a recording [N·m] or [N]. Shape (n,)."""
+    q = np.asarray(recording.position)
+    sign = np.sign(differentiate(q, recording.sample_period)) if any(one.level for one in waves) else np.ones_like(q)
+    total = np.zeros_like(q)
+    for one in waves:
+        wave = one.sine * np.sin(one.order * q) + one.cosine * np.cos(one.order * q)
+        total += wave * sign if one.level else wave
+    return total
 
 
 def _has_explained(findings: Findings) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..effects.structure import N_BASE
+from ..effects.structure import N_BASE, Structure
 from ..joint.base import BASE_NAMES
 from ..joint.base_fit import propose_creep_starts
 from .preparation import Baseline, find_top_speed
@@ -28,5 +28,6 @@ def has_late_creep(baseline: Baseline, found: SearchResult) -> bool:
     if float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size and not best.foreign_curve:
         return False
     starts = propose_creep_starts(best.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
-    fits = [one for start, box in starts for one in fit_from(baseline, [(best.settled, start)], box)]
+    structure = Structure(best.structure.contexts, best.settled)
+    fits = [one for start, box in starts for one in fit_from(baseline, [(structure, start)], box)]
     return min(one.fit.cost for one in fits) < SEARCH.late_creep_cost * best.fit.cost

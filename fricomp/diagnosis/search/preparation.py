@@ -137,9 +137,13 @@ def prepare(
 def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
     """Fit the base without weights. The second start counts only where the first one leads far astray."""
     top, tried = find_top_speed(tracks), []
+    delays = min(one.delays[0] for one in tracks), max(one.delays[1] for one in tracks)
+    torques = max(float(np.std(one.torque)) for one in tracks), max(float(np.max(np.abs(one.torque))) for one in tracks)
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
-        base = BaseModel.build_around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
+        base = BaseModel.build_around(
+            start, delays=delays, top_speed=top, torques=torques, rotary=tracks[0].rotary, known=rigid
+        )
         problem = build_problem(tracks, start, observer)
         evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))

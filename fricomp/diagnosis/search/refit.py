@@ -17,7 +17,7 @@ from .explanation import Explanation, judge
 from .preparation import Baseline
 from .settings import SEARCH
 
-__all__ = ["compute_preference", "fit_from", "polish", "refit"]
+__all__ = ["compute_preference", "fit_from", "polish", "rebuild_contexts", "refit"]
 
 
 def refit(
@@ -88,7 +88,7 @@ def _polish_once(
     lead = min((one.fit.cost for one in explanations if not one.refused), default=np.inf)
     race = Race(baseline.fit.cost, lead, at_once=True)
     for i, (explanation, own) in enumerate(zip(explanations, starts, strict=True)):
-        structure = Structure(_rebuild_contexts(baseline, explanation), explanation.settled)
+        structure = Structure(rebuild_contexts(baseline, explanation), explanation.settled)
         for start in own:
             descent = structure.start_descent(
                 start.theta, explanation.box, jacobian=start.jacobian, iterations=iterations, refresh=refresh, race=race
@@ -101,7 +101,7 @@ def _polish_once(
     return result
 
 
-def _rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:
+def rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:
     """Rebuild each recording's context with load and position of the joint that was found."""
     structure, theta = explanation.structure, explanation.fit.theta
     seen = structure.observe(baseline.problem, theta)
@@ -111,7 +111,7 @@ def _rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Con
 
 def fit_from(
     baseline: Baseline,
-    wanted: Sequence[tuple[Sequence[Candidate], FloatArray]],
+    wanted: Sequence[tuple[Structure, FloatArray]],
     box: Box,
     *,
     race: Race | None = None,
@@ -120,13 +120,13 @@ def fit_from(
 
     Args:
         baseline: The base fitted to the recordings, with its nulls.
-        wanted: For each explanation its effects with their starting values, and the start of the base, shape (N_BASE,).
+        wanted: For each explanation its structure, whose contexts are of the joint that it starts from, and the start
+            of the base, shape (N_BASE,). A base fitted without friction under load has another gravity and load.
         box: Domain and priors of the base.
         race: The race that they run in; None where each runs to its end.
     """
     descents = []
-    for candidates, theta in wanted:
-        structure = Structure(baseline.structure.contexts, tuple(candidates))
+    for structure, theta in wanted:
         start = np.concatenate([theta, structure.build_start()])
         descent = structure.start_descent(start, box, iterations=SEARCH.last_steps, refresh=2, race=race)
         descents.append((structure, descent))

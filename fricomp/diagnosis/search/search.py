@@ -8,13 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import EFFECTS
+from ..effects.identity import find_twin
 from ..effects.structure import N_BASE, Candidate, Structure
-from ..joint.solver import Fit, Race
+from ..joint.base import BASE_NAMES
+from ..joint.solver import Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
 from .preparation import Baseline
-from .refit import compute_preference, fit_from, polish, refit
+from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .simulated_body import hold, move_to
@@ -65,6 +67,7 @@ def search(baseline: Baseline) -> SearchResult:
     best = choose(baseline, tried, threshold)
     if best is not None:
         close = select_finalists(best, rank_acceptable(tried, threshold))
+        close += _fit_twins(baseline, best)
         finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
         for whole in _select_wholes(tried, choose(baseline, tried, threshold), threshold):
@@ -113,12 +116,28 @@ def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, thres
     return [best, top] if top.gain > best.gain + SEARCH.clearly_better * threshold else [best]
 
 
+def _fit_twins(baseline: Baseline, best: Explanation) -> list[Explanation]:
+    """Fit the same torque by the effect that comes first where no simulation says inertia and gravity: the search may
+    have met its other name alone."""
+    twin = find_twin(best.values, baseline.structure.contexts[0].usual_load)
+    if twin is None or baseline.rigid is not None:
+        return []
+    same = Candidate(twin.identity.one, tuple(twin.values.items()))
+    candidates = tuple(same if c.name == twin.identity.other else c for c in best.settled)
+    theta = best.fit.theta[:N_BASE].copy()
+    theta[[BASE_NAMES.index("gravity_cos"), BASE_NAMES.index("gravity_sin")]] *= twin.gravity
+    contexts = Structure(best.structure.contexts).move_contexts(theta)
+    return fit_from(baseline, [(Structure(contexts, candidates), theta)], baseline.box)
+
+
 def _fit_parts(baseline: Baseline, best: Explanation | None) -> list[Explanation]:
-    """Fit an explanation without each of its effects, from where it ended. Alone, a part may not have got that far."""
+    """Fit an explanation without each of its effects, from where it ended, under the load of its joint. Alone, a part
+    may not have got that far."""
     if best is None or len(best.names) == 1 or best.coverage < SEARCH.nameable:
         return []
+    contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
-    return fit_from(baseline, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], baseline.box)
+    return fit_from(baseline, [(Structure(contexts, candidates), theta) for candidates in kept], baseline.box)
 
 
 def _has_idle(baseline: Baseline, best: Explanation) -> bool:
@@ -156,7 +175,7 @@ def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
     suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
     tried = _refit_groups(baseline, [group for group in groups if group not in replacing])
-    tried += _fit_with_care(baseline, replacing, (), baseline.fit)
+    tried += _fit_with_care(baseline, replacing, baseline)
     if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups])
         tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=np.inf))
@@ -181,19 +200,21 @@ def _select_suspected(at: Baseline | Explanation, screened: Screen) -> list[list
 
 
 def _fit_with_care(
-    baseline: Baseline, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
+    baseline: Baseline, groups: Sequence[Sequence[Column]], at: Baseline | Explanation
 ) -> list[Explanation]:
     """Fit effects that take over a parameter at its bound in the base, with fresh Jacobians. All else there is bent to
     make up for that bound, and no column of the base is that of the joint without it."""
-    wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[: SEARCH.hypotheses]]
-    return fit_from(baseline, wanted, baseline.box)
+    beside = at.settled if isinstance(at, Explanation) else ()
+    tried = [(*beside, column.candidate) for group in groups for column in group[: SEARCH.hypotheses]]
+    theta, contexts = at.fit.theta[:N_BASE], at.structure.contexts
+    return fit_from(baseline, [(Structure(contexts, candidates), theta) for candidates in tried], baseline.box)
 
 
 def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
     """Fit effects with many minima from starts far from each other, as long as they may come near the cost `lead`."""
     contexts, theta = baseline.structure.contexts, baseline.fit.theta
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
-    wanted = [((Candidate(name, tuple(start.items())),), theta) for name, start in starts]
+    wanted = [(Structure(contexts, (Candidate(name, tuple(start.items())),)), theta) for name, start in starts]
     return fit_from(baseline, wanted, baseline.box, race=Race(baseline.fit.cost, lead))
 
 
@@ -207,11 +228,13 @@ def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> lis
         return []
     box = hold(baseline.box, baseline.rigid)
     start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
-    (given,) = fit_from(baseline, [((), start)], box)
+    (given,) = fit_from(baseline, [(baseline.structure, start)], box)
     fit = given.fit
-    screened = screen(baseline.problem, baseline.structure, fit.theta, fit.residual, fit.jacobian)
+    structure = replace(given.structure, contexts=given.structure.move_contexts(fit.theta))
+    screened = screen(baseline.problem, structure, fit.theta, fit.residual, fit.jacobian)
     groups = _rank_groups(screened, SEARCH.from_simulation)
-    return fit_from(baseline, [((group[0].candidate,), fit.theta) for group in groups], baseline.box)
+    wanted = [(replace(structure, candidates=(group[0].candidate,)), fit.theta) for group in groups]
+    return fit_from(baseline, wanted, baseline.box)
 
 
 def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
@@ -265,7 +288,7 @@ def _grow(
     for seed in (_renew_starts(baseline, seed) for seed in seeds):
         screened = screen(baseline.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
         suspected = [g for g in _select_suspected(seed, screened) if _join_names(seed, g) not in known | seen]
-        grown += _fit_with_care(baseline, suspected, seed.settled, seed.fit)
+        grown += _fit_with_care(baseline, suspected, seed)
         seen |= {_join_names(seed, group) for group in suspected}
         for columns in _rank_groups(screened, SEARCH.partners):
             names = _join_names(seed, columns)

@@ -31,7 +31,8 @@ def write_base_model(recordings: Sequence[Recording], baseline: Baseline) -> Fri
     """Friction of the refitted base."""
     plant = baseline.structure.unpack_plant(baseline.fit.theta)
     terms = (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),)
-    return _write_model(recordings, baseline.structure.contexts, terms, (plant, _describe_dynamics(plant)))
+    dynamics = _describe_dynamics(plant, late=-baseline.structure.contexts[0].acts_late)
+    return _write_model(recordings, baseline.structure.contexts, terms, (plant, dynamics))
 
 
 def write_extended_model(
@@ -63,7 +64,8 @@ def write_extended_model(
         (one.effect.compute_contribution(chosen.structure.contexts[0], values[one.name]) for one in candidates),
         Contribution(),
     )
-    dynamics = _describe_dynamics(plant, max(shares, default=0.0), late.delay + sum(late.lags))
+    added = late.delay + sum(late.lags) - chosen.structure.contexts[0].acts_late
+    dynamics = _describe_dynamics(plant, max(shares, default=0.0), added)
     core = _build_core(plant, changes)
     return _write_model(recordings, chosen.structure.contexts, (core, *terms), (plant, dynamics))
 
@@ -75,7 +77,7 @@ def _describe_dynamics(plant: Plant, load_share: float = 0.0, late: float = 0.0)
         plant: The joint.
         load_share: Part of its inertia that the gear feels as load [1].
         late: Time by which effects make the torque late, beside the joint's own delay [s]. A low-pass counts as its
-            time constant, by which it is late in the mean.
+            time constant, by which it is late in the mean; a torque that acts after its stamp counts as early.
     """
     return JointDynamics(
         inertia=plant.inertia,

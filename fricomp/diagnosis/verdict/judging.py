@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..evidence.findings import Findings
 from ..record.result import Change, HeldOut, Kind, Location, NamedEffect, Rival, VerdictName
@@ -13,7 +13,7 @@ from .rivals import list_rivals, list_sample_rivals
 from .settings import VERDICT
 from .shared_effect import SharedEffects, SimulationEffects, share_effects
 
-__all__ = ["Verdict", "choose_verdict", "describe_repetitions", "judge"]
+__all__ = ["Verdict", "choose_verdict", "describe_repetitions", "join_channels", "judge", "judge_beside"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class Verdict:
         undecided: Whether an effect of the search cannot be told from another one.
         shared: Which of the effects the simulation has itself.
         sample: What the samples show, where the answer rests on that; else None.
+        read_off: Names that two channels show of each other, without a choice among explanations.
     """
 
     word: VerdictName
@@ -45,6 +46,7 @@ class Verdict:
     undecided: bool
     shared: SharedEffects
     sample: SampleFinding | None = None
+    read_off: tuple[str, ...] = ()
 
 
 def judge(
@@ -61,6 +63,60 @@ def judge(
     if sample is None or not _replaces_search(sample, findings):
         return _judge_rows(findings, named, share_effects(named, simulated))
     return _judge_samples(findings, sample, named, simulated)
+
+
+def judge_beside(findings: Findings, sample: SampleFinding, simulated: SimulationEffects | None = None) -> Verdict:
+    """Judge a ripple of the samples together with what the rows show without it.
+
+    Args:
+        findings: Evidence from the rows of the recordings without the ripple.
+        sample: The ripple.
+        simulated: Effects that the simulation has itself; None where nobody looked for them.
+    """
+    left = 1.0 - sample.held.explained
+    rows = name_effects(findings, 0.0 if findings.as_given else left * findings.held.explained)
+    own = name_sample(sample)
+    effects = (own, *(one for one in rows if one.name != own.name))
+    shared = share_effects(effects, simulated)
+    first = Rival(effects=tuple(one.name for one in effects), gain=0.0)
+    rivals = tuple(one for one in list_rivals(findings) if one.refused)
+    return Verdict(
+        word=choose_verdict(shared.kinds),
+        effects=shared.effects,
+        held=sample.held,
+        location={},
+        noise_ratio=sample.held.rmse_before / max(sample.held.noise_floor, 1e-30),
+        coverage=sample.held.explained,
+        changes=(*findings.comparison.changes, *compare_spring(rows, findings.case.spring)),
+        rivals=(first, *rivals),
+        undecided=any(one.indistinguishable_from for one in shared.effects if one.name != own.name),
+        shared=shared,
+        sample=sample,
+    )
+
+
+def join_channels(verdict: Verdict, shown: Sequence[NamedEffect]) -> Verdict:
+    """Name what two channels show of each other beside what rows and samples show.
+
+    A torque that is late as the rows show it is not told again as one that is late behind its command.
+
+    Args:
+        verdict: On rows and samples.
+        shown: What the channels show.
+    """
+    named = {one.name for one in verdict.effects}
+    late = {"torque_delay", "drive_lag"}
+    known = named | late if named & late else named
+    new = tuple(one for one in shown if one.name not in known)
+    if not new:
+        return verdict
+    kinds = verdict.shared.kinds | {one.kind for one in new}
+    return replace(
+        verdict,
+        word=choose_verdict(kinds, unknown=verdict.word == "unknown_physics"),
+        effects=(*verdict.effects, *new),
+        read_off=tuple(one.name for one in new),
+    )
 
 
 def choose_verdict(kinds: Collection[Kind], *, unknown: bool = False) -> VerdictName:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from ..effects import EFFECTS
 from ..effects.spring import SPRING, SPRING_CHANGE
 from ..evidence.comparison import Shift
 from ..evidence.effect_evidence import EffectEvidence
@@ -15,7 +16,15 @@ from ..inputs.rigid import Spring
 from ..record.result import Change, Kind, Location, NamedEffect, Quantity
 from ..samples.sample_finding import SampleFinding
 
-__all__ = ["SpringWords", "comes_again", "compare_spring", "describe_spring", "name_effects", "name_sample"]
+__all__ = [
+    "SpringWords",
+    "comes_again",
+    "compare_spring",
+    "describe_spring",
+    "name_effects",
+    "name_late_action",
+    "name_sample",
+]
 
 _GAIN = "torque_gain_error"
 _NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
@@ -108,6 +117,20 @@ def _name_shift(findings: Findings, shift: Shift, share: float, location: Locati
         equation=shift.equation,
         sentence=shift.sentence,
         citation=shift.citation,
+    )
+
+
+def name_late_action(findings: Findings) -> NamedEffect:
+    """The torque that was moved to where it acts before the base was fitted."""
+    effect = EFFECTS["torque_delay"]
+    return NamedEffect(
+        name=effect.name,
+        kind=effect.kind,
+        parameters={"delay": findings.refitted.measure_late_action()},
+        indistinguishable_from=("drive_lag",),
+        equation="tau(t) = tau_recorded(t - T_d)",
+        sentence="the torque acts later than its stamp says, by a delay or by a low pass of a high order",
+        citation=effect.citation,
     )
 
 

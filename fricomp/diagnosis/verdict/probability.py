@@ -21,7 +21,10 @@ def compute_probability(share: float) -> float:
 
 
 def list_probabilities(
-    findings: Findings, effects: Sequence[NamedEffect], sample: SampleFinding | None
+    findings: Findings,
+    effects: Sequence[NamedEffect],
+    sample: SampleFinding | None,
+    read_off: Sequence[str] = (),
 ) -> dict[str, float]:
     """List the probability of each name that came up, of nothing and of something unknown, the named ones first.
 
@@ -29,14 +32,18 @@ def list_probabilities(
         findings: Evidence from the rows, with its repetitions.
         effects: What is named.
         sample: What the samples show, where the answer rests on that.
+        read_off: Names that two channels show of each other, without a choice among explanations.
     """
     repetitions = findings.trial.repetitions
     shares = {one.name: 0.0 for one in effects} | repetitions.shares | dict(findings.shift_shares)
-    if findings.lag is not None:  # read off two channels, without a choice among explanations
+    shares |= dict.fromkeys(read_off, 1.0)
+    if findings.lag is not None:  # read off two channels as well
         shares[findings.lag.name] = 1.0
     if sample is not None:
         shares[sample.name] = sample.share
     shifted = max(findings.shift_shares.values(), default=0.0)
-    nothing = repetitions.nothing / max(repetitions.count, 1) * (1.0 - shifted)
-    shares |= {NOTHING: nothing, UNKNOWN: repetitions.unknown / max(repetitions.count, 1)}
+    beside = 0.0 if sample is None else sample.share  # the rows leave open what the samples show
+    nothing = repetitions.nothing / max(repetitions.count, 1) * (1.0 - shifted) * (1.0 - beside)
+    unknown = repetitions.unknown / max(repetitions.count, 1) * (1.0 - beside)
+    shares |= {NOTHING: nothing, UNKNOWN: unknown}
     return {name: compute_probability(share) for name, share in shares.items()}

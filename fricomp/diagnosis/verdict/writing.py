@@ -5,13 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from fricomp.model import FrictionModel
+
 from ..delivery.models import Delivery, deliver_models
 from ..effects import EFFECTS
 from ..evidence.findings import Findings
 from ..evidence.location import map_excess
+from ..evidence.undetermined import list_undetermined
 from ..inputs.given import Given
 from ..joint.base import BASE_NAMES
-from ..record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, Evidence, Forward, NextExperiment
+from ..record.result import (
+    DIAGNOSIS_SCHEMA,
+    Diagnosis,
+    DiagnosisRecord,
+    Evidence,
+    Forward,
+    NamedEffect,
+    NextExperiment,
+)
 from ..record.sentence import (
     FOREIGN_CURVE,
     LAWLESS,
@@ -19,14 +30,15 @@ from ..record.sentence import (
     NOTHING_BUT_SHARED,
     Notes,
     describe_detent,
+    describe_rest,
     write_record,
 )
 from .experiment import Proposal
 from .extension import write_base_model, write_extended_model
-from .judging import Verdict
-from .probability import list_probabilities
+from .judging import Verdict, choose_verdict
+from .probability import compute_probability, list_probabilities
 
-__all__ = ["write_diagnosis", "write_refusal"]
+__all__ = ["write_diagnosis", "write_read_off", "write_refusal"]
 
 
 def write_diagnosis(
@@ -46,7 +58,9 @@ def write_diagnosis(
         remarks: What the checks of the data noticed.
     """
     case, sample = findings.case, verdict.sample
-    delivery = _deliver(findings, verdict)
+    lawless = sample is not None and sample.lawless
+    undetermined = () if lawless else list_undetermined(findings.refitted, (case.unit, case.position_unit))
+    delivery = _deliver(findings, verdict, undetermined)
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict=verdict.word,
@@ -58,10 +72,11 @@ def write_diagnosis(
         next_experiment=None if proposal is None else _describe_experiment(proposal, case.unit),
         noise_ratio=verdict.noise_ratio,
         coverage=verdict.coverage,
-        base={} if sample is not None and sample.lawless else findings.base,
+        base={} if lawless else findings.base,
+        undetermined=undetermined,
         changes=verdict.changes,
         rivals=verdict.rivals,
-        probability=list_probabilities(findings, verdict.effects, sample),
+        probability=list_probabilities(findings, verdict.effects, sample, verdict.read_off),
         distinguishability=findings.told_apart,
         recordings=tuple(rows.name for rows in findings.series),
         joint=case.recordings[0].metadata.joint,
@@ -87,7 +102,7 @@ def write_diagnosis(
     )
 
 
-def _deliver(findings: Findings, verdict: Verdict) -> Delivery | None:
+def _deliver(findings: Findings, verdict: Verdict, undetermined: Sequence[str]) -> Delivery | None:
     """The models that are handed over with the answer; None where the joint obeys no law of its own motion."""
     case, sample = findings.case, verdict.sample
     if sample is not None and sample.lawless:
@@ -96,7 +111,8 @@ def _deliver(findings: Findings, verdict: Verdict) -> Delivery | None:
     if sample is None:
         extended = write_extended_model(case.recordings, findings.chosen, case.spring)
     else:
-        extended = sample.extend(base)
+        rows = write_extended_model(case.recordings, findings.chosen, case.spring) if sample.waves else None
+        extended = sample.extend(rows or base)
     named = [one.name for one in verdict.effects if one.kind == "physics"]
     missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
     names = [rows.name for rows in findings.series]
@@ -105,7 +121,17 @@ def _deliver(findings: Findings, verdict: Verdict) -> Delivery | None:
         cosine, sine = case.rigid.gravity
         inertia = replace(base.dynamics, inertia=case.rigid.inertia, load_inertia=0.0)
         given = replace(inertia, gravity_cosine=cosine, gravity_sine=sine)
-    return deliver_models(case.recordings, base, extended, missing, names=names, given=given)
+    found = deliver_models(case.recordings, base, extended, missing, names=names, given=given)
+    noted = None if found.extended is None else _note(found.extended, undetermined)
+    return replace(found, base=_note(found.base, undetermined), extended=noted)
+
+
+def _note(model: FrictionModel, undetermined: Sequence[str]) -> FrictionModel:
+    """The model with a note on those of its numbers that the recordings do not determine."""
+    if not undetermined:
+        return model
+    notes = {**model.provenance.notes, "undetermined": ", ".join(undetermined)}
+    return replace(model, provenance=replace(model.provenance, notes=notes))
 
 
 def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:
@@ -125,6 +151,30 @@ def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] =
     return Diagnosis(write_record(fields, Notes(facts=tuple(reasons), remarks=tuple(remarks))))
 
 
+def write_read_off(
+    given: Given, effects: Sequence[NamedEffect], facts: Sequence[str], remarks: Sequence[str] = ()
+) -> Diagnosis:
+    """Write what two channels show of each other, where the motion allows no joint model.
+
+    Args:
+        given: The data.
+        effects: What the channels show.
+        facts: Why there is no joint model, in sentences.
+        remarks: What else is to be told.
+    """
+    fields = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict=choose_verdict({one.kind for one in effects}),
+        effects=tuple(effects),
+        probability={one.name: compute_probability(1.0) for one in effects},
+        recordings=given.names,
+        joint=given.recordings[0].metadata.joint,
+    )
+    return Diagnosis(
+        write_record(fields, Notes(facts=tuple(f"Careful: {one}" for one in facts), remarks=tuple(remarks)))
+    )
+
+
 def _describe_experiment(proposal: Proposal, unit: str) -> NextExperiment:
     why = f"{proposal.title}, where the explanations differ by {proposal.difference:.3g} {unit} and more"
     return NextExperiment(motion="motion.csv", separates=proposal.separates, why=why)
@@ -139,8 +189,10 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
         opening = LAWLESS
     if verdict.undecided and proposal is None:
         facts.append(NO_MOTION)
-    if verdict.sample is None:
+    if verdict.sample is None or verdict.sample.waves:
         facts += [f"{name} is not named: {why}." for name, why in findings.trial.objections.items()]
+    if verdict.sample is not None and verdict.sample.waves and findings.unknown:
+        facts.append(describe_rest(findings.noise_ratio))
     if verdict.sample is None and findings.foreign_curve:
         facts.append(f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
     if verdict.sample is None and findings.detent_order is not None:

@@ -20,6 +20,7 @@ from fricomp.recording.checks.timing_checks import (
 from fricomp.recording.checks.torque_causes import find_unsigned_torque
 from fricomp.recording.checks.torque_sensor import find_torque_gain
 from fricomp.recording.checks.unit_checks import (
+    find_counts,
     find_degrees,
     find_flipped_reference,
     find_flipped_torque,
@@ -40,6 +41,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_jitter,
     find_rate_change,
     find_rest,
+    find_counts,
     find_wraps,
     find_stuck,
     find_spikes,
@@ -75,7 +77,7 @@ def check_recording(recording: Recording) -> tuple[Finding, ...]:
     is; `raise_errors` turns such findings into an exception.
     """
     findings = [finding for check in _CHECKS for finding in check(recording)]
-    if not any(finding.code == "wrap" for finding in findings):
+    if not any(finding.code in ("wrap", "degrees") for finding in findings):
         findings += [finding for check in _OF_UNWRAPPED for finding in check(recording)]
     first = {(finding.code, finding.column): finding for finding in reversed(findings)}
     once = [finding for finding in findings if first[finding.code, finding.column] is finding]

@@ -73,6 +73,7 @@ class Clamp(NamedTuple):
         friction: Half width of the inner friction [as torque].
         residual: Root mean square of what is left of the position [rad] or [m].
         linear_residual: The same with a spring alone.
+        stiffening_residual: The same with a spring that stiffens evenly in place of the gap.
     """
 
     stiffness: float
@@ -80,6 +81,7 @@ class Clamp(NamedTuple):
     friction: float
     residual: float
     linear_residual: float
+    stiffening_residual: float = np.inf
 
 
 def find_one_way(recording: Recording) -> tuple[Finding, ...]:
@@ -139,9 +141,12 @@ def fit_clamp(recording: Recording) -> Clamp:
             left = float(np.std(position - table @ np.array([compliance, half, offset])))
             if left < best.residual and compliance > 0.0:
                 best = Clamp(1.0 / compliance, 2.0 * max(half, 0.0), float(width), left, linear)
+    passed = _play(torque, best.friction)
+    table = np.column_stack([passed, passed**3, np.ones(passed.size)])
+    stiffening = float(np.std(position - table @ np.linalg.lstsq(table, position, rcond=None)[0]))
     slope = np.polyfit(torque, position, 1)
     linear = float(np.std(position - np.polyval(slope, torque)))
-    return best._replace(linear_residual=linear)
+    return best._replace(linear_residual=linear, stiffening_residual=stiffening)
 
 
 def _play(values: Samples, width: float) -> Samples:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.quantum import measure_quantum, read_at_rest, snap_period
+from fricomp.recording.checks.quantum import TURN_IN_DEGREES, measure_quantum, read_at_rest, snap_period
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
@@ -119,6 +119,10 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
         message = f"position jumps by {step[row]:.5g}, {what}, {wraps.size} time(s): it wraps round"
         passed = float(np.median(size[max(row - 2, 0) : row + 3]))  # the way of the joint itself within the step
         period = snap_period(float(size[row]) + passed, measure_quantum(np.asarray(recording.position)))
+        if recording.metadata.motion == "rotary" and period == TURN_IN_DEGREES:
+            message = f"position wraps round at 360, {wraps.size} time(s): factor 57.3, it is in degrees"
+            advice = 'multiply by π/180 and unwrap it (unit = "deg", unwrap = 6.28319 in a mapping)'
+            return (Finding("degrees", "error", message, advice, row + 2, "position"),)
         advice = f"unwrap it (unwrap = {period:.6g} in a mapping)"
         return (Finding("wrap", "error", message, advice, row + 2, "position"),)
     rate = size / np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)  # a gap in time is no jump

@@ -56,6 +56,14 @@ _ALIKE = 5.0
 """Blocks that err alike: their variance counts so often."""
 _ALIKE_ROWS = 3
 """Rows that are averaged where two torques are compared."""
+_CERTAIN = 4.0
+"""Standard deviations from a gain of one, or from no saturation, beyond which it is told."""
+_MATTERS = 0.03
+"""Relative error of a torque that matters."""
+_OF_THE_REST = 0.5
+"""What a saturation explains of the load torque over what is left of it: less may be what the law of friction lacks."""
+_STEEPER = 5.0
+"""Between the widths of the two changes of direction that stand for friction near zero speed."""
 _RELATED = 0.8
 """Correlation of two torques below which one is not that of the other's joint."""
 _APART = 0.1
@@ -111,24 +119,50 @@ class TwoTorques(NamedTuple):
         gain: [1]
         gain_deviation: Its standard deviation, for blocks that err alike [1].
         small_gain: Gain at small torques [1].
+        small_gain_deviation: Its standard deviation [1].
         bend: Change of the gain with the square of the torque [1 / torque²].
         bend_deviation: Its standard deviation.
         largest: Largest torque that occurs for long [as torque].
         unexplained: What is left, over the deviation of the load torque.
+        straight_unexplained: The same without the bend.
     """
 
     gain: float
     gain_deviation: float
     small_gain: float
+    small_gain_deviation: float
     bend: float
     bend_deviation: float
     largest: float
     unexplained: float
+    straight_unexplained: float
 
     @property
     def loss(self) -> float:
         """Part of the torque that is lost at the largest one."""
         return -self.bend * self.largest**2 / self.small_gain if self.small_gain > 0.0 else 0.0
+
+    @property
+    def saturates(self) -> bool:
+        """Whether a loss at large torques is sure, matters, and explains more than the law of friction may leave."""
+        bent = self.straight_unexplained**2 - self.unexplained**2
+        return (
+            self.bend < -_CERTAIN * self.bend_deviation
+            and self.loss > max(_MATTERS, self.unexplained)
+            and bent > (_OF_THE_REST * self.unexplained) ** 2
+        )
+
+    @property
+    def told_gain(self) -> tuple[float, float]:
+        """The gain, at small torques where the motor saturates, and its standard deviation."""
+        small = self.small_gain, self.small_gain_deviation
+        return small if self.saturates else (self.gain, self.gain_deviation)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether this gain is not one: a smaller error may be a part of what friction leaves of the load torque."""
+        gain, deviation = self.told_gain
+        return abs(gain - 1.0) > max(_CERTAIN * deviation, _MATTERS, self.unexplained)
 
 
 class _Motion(NamedTuple):
@@ -169,16 +203,18 @@ def fit_two_torques(recording: Recording) -> TwoTorques | None:
     )
     velocity = np.gradient(position, time)
     slow = float(np.percentile(np.abs(velocity), 98)) * _SLOW
-    beside = [np.gradient(velocity, time), np.tanh(velocity / max(slow, 1e-300)), np.ones(time.size)]
+    slow = max(slow, 1e-300)
+    friction = [np.tanh(velocity / slow), np.tanh(_STEEPER * velocity / slow), velocity, velocity * np.abs(velocity)]
+    beside = [np.gradient(velocity, time), *friction, np.ones(time.size)]
     size = float(np.std(load))
     if float(np.std(torque)) == 0.0 or size == 0.0 or abs(np.corrcoef(torque, load)[0, 1]) < _RELATED:
         return None
-    gain, gain_deviation, _ = _solve_first(np.column_stack([torque, *beside]), load, 1)
+    gain, gain_deviation, straight = _solve_first(np.column_stack([torque, *beside]), load, 1)
     solved, deviations, left = _solve_first(np.column_stack([torque, torque**3, *beside]), load, 2)
     largest = float(np.quantile(np.abs(torque), 0.99))
     return TwoTorques(
-        float(gain[0]), float(gain_deviation[0]), float(solved[0]), float(solved[1]), float(deviations[1]), largest,
-        left / size,
+        float(gain[0]), float(gain_deviation[0]), float(solved[0]), float(deviations[0]), float(solved[1]),
+        float(deviations[1]), largest, left / size, straight / size,
     )  # fmt: skip
 
 
@@ -203,7 +239,10 @@ def explain_energy(recording: Recording, symptom: str) -> Finding:
     delay = find_delay(recording)
     if delay is not None:
         message = f"{symptom}, because it acts {1e3 * delay:.3g} ms after its stamp"
-        advice = f"identification and diagnosis take that off; delay = {delay:.4g} in a mapping does it for good"
+        advice = (
+            f"identification and diagnosis take that off; for other tools write delay = {delay:.4g} into the channel "
+            "of a mapping"
+        )
         return Finding("late_torque", "warning", message, advice, column="torque")
     turned = fit_joint(recording, -np.asarray(recording.torque))
     if turned is None or (turned.can_be and turned.explained > _EXPLAINED):
@@ -228,7 +267,11 @@ def find_unsigned_torque(recording: Recording) -> tuple[Finding, ...]:
     )
     if not register.sure:
         message += " (16 where its steps do not tell the length; see the manual)"
-    advice = f"write signed_bits = {register.bits} into the channel of the mapping"
+    advice = (
+        f"write signed_bits = {register.bits} into the channel of a mapping where its column holds the counts, or "
+        f"signed_range = {register.span:.6g} [{unit}] where they are scaled ('fricomp convert LOG --inspect' has a "
+        "mapping to edit)"
+    )
     return (Finding("unsigned_torque", "error", message, advice, column="torque"),)
 
 

@@ -6,23 +6,16 @@ from fricomp.recording.recording import Recording
 
 __all__ = ["find_torque_gain"]
 
-_SURE = 4.0
-"""Standard deviations from a gain of one, or from no saturation, beyond which it is told."""
-_MATTERS = 0.03
-"""Relative error of a torque that matters."""
-
 
 def find_torque_gain(recording: Recording) -> tuple[Finding, ...]:
     """A motor torque that is not what the sensor measures, beside the inertia and the friction between both."""
     fit = fit_two_torques(recording)
     if fit is None:
         return ()
-    off = abs(fit.gain - 1.0) > max(_SURE * fit.gain_deviation, _MATTERS)
-    saturates = fit.bend < -_SURE * fit.bend_deviation and fit.loss > _MATTERS
-    if not off and not saturates:
+    if not fit.is_off and not fit.saturates:
         return ()
     said = f"load_torque is {fit.gain:.3g} ± {fit.gain_deviation:.1g} times torque"
-    if saturates:
+    if fit.saturates:
         said = (
             f"load_torque is {fit.small_gain:.3g} times torque at small torques and {100 * fit.loss:.0f} % less of it "
             f"at {fit.largest:.3g} {recording.metadata.torque_unit}: the motor saturates"

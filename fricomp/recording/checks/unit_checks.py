@@ -1,6 +1,7 @@
 """Checks of units and signs: degrees, other factors, flipped signs, motor side, temperature."""
 
-from math import log2, pi
+from math import log2, log10, pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,10 @@ _LARGEST_TRAVEL = 4 * pi  # [rad] two turns: more is rare at a joint that does n
 _LARGEST_SPEED = 30.0  # [rad/s] at the joint side of a robot
 _LONGEST_TRAVEL = 20.0  # [m]
 _TOLERANCE = 0.1
+_FEWEST_COUNTS = 50  # whole numbers, and travel, from which on no chance makes them so
+_FEWEST_BLOCKS = 80
+_MOST_COUNTS = 200_000  # counts a turn of an encoder whose step is told by them
+_CLEARLY = 0.25  # part of the squares that another explanation leaves, below which gravity in degrees is the one
 _LEAST_WORK = 0.1  # part of the work on a closed path that must be friction to tell its sign
 _FACTORS = {  # derivative of position over the velocity column -> what that means
     DEGREES: "position is in degrees",
@@ -34,17 +39,36 @@ _FACTORS = {  # derivative of position over the velocity column -> what that mea
 
 
 def find_degrees(recording: Recording) -> tuple[Finding, ...]:
-    """Positions that are degrees: by the encoder's step, by the limits, by the reference, by plain size."""
+    """Positions that are degrees: by the encoder's step, limits, reference or gravity; suspected by plain size."""
     if recording.metadata.motion != "rotary":
         return _find_millimetres(recording)
-    for evidence in (_degrees_by_step, _degrees_by_limits, _degrees_by_reference):
+    for evidence in (_degrees_by_step, _degrees_by_limits, _degrees_by_reference, _degrees_by_gravity):
         message = evidence(recording)
         if message is not None:
             advice = 'multiply by π/180 (unit = "deg" in a mapping)'
+            if evidence is _degrees_by_gravity:
+                advice += "; if the position is in radians, state continuous: true"
             return (
                 Finding("degrees", "error", f"{message}: factor 57.3, it is in degrees", advice, column="position"),
             )
     return _suspect_degrees(recording)
+
+
+def find_counts(recording: Recording) -> tuple[Finding, ...]:
+    """Positions that are whole numbers throughout: counts of an encoder, and neither radians nor metres."""
+    position = np.asarray(recording.position)
+    if np.ptp(position) < _FEWEST_COUNTS or not np.all(position == np.round(position)):
+        return ()
+    if np.unique(position).size < _FEWEST_COUNTS:
+        return ()
+    message = (
+        f"position holds whole numbers alone, from {position.min():.6g} to {position.max():.6g}: counts of an encoder"
+    )
+    rotary = recording.metadata.motion == "rotary"
+    unit = "6.2832 over the counts of a turn" if rotary else "metres a count"
+    such = ", such as 0.001534 of 4096 a turn (Dynamixel X)" if rotary else ""
+    advice = f"write scale = {unit} in a mapping{such}; 'fricomp convert LOG --inspect --out log.toml' begins one"
+    return (Finding("counts", "error", message, advice, column="position"),)
 
 
 def suspect_degrees_per_second(speed: float) -> tuple[Finding, ...]:
@@ -124,7 +148,20 @@ def _degrees_by_step(recording: Recording) -> str | None:
     bits = log2(360 / step)
     if resolution is None and 8 < bits < 27 and abs(bits - round(bits)) < 1e-4:
         return f"position moves in steps of {step:.4g}, which is 360 / 2^{round(bits)}"
+    counts = round(360 / step)
+    if resolution is None and _is_round(counts) and abs(counts * step / 360 - 1) < 1e-5 and not _is_rounding(step):
+        return f"position moves in steps of {step:.4g}, which is 360 / {counts}"
     return None
+
+
+def _is_round(counts: int) -> bool:
+    """Whether an encoder has so many counts a turn, as far as those in hundreds go."""
+    return 0 < counts <= _MOST_COUNTS and counts % 100 == 0
+
+
+def _is_rounding(step: float) -> bool:
+    """Whether a step is that of numbers written with so many decimals, which may be of anything."""
+    return abs(log10(step) - round(log10(step))) < 1e-6
 
 
 def _degrees_by_limits(recording: Recording) -> str | None:
@@ -144,6 +181,39 @@ def _degrees_by_reference(recording: Recording) -> str | None:
     if slope is not None and abs(slope / DEGREES - 1) < _TOLERANCE:
         return "position moves 57.3 times as far as position_reference"
     return None
+
+
+def _degrees_by_gravity(recording: Recording) -> str | None:
+    """Whether the torque follows the sine of the position as an angle in degrees, and nothing else does as well.
+
+    A travel of many turns in radians is one of some ten degrees: gravity turns round with the turns there and bends
+    once here. A spring or a cable on a drum is straight over all of it, or bends one way.
+    """
+    if recording.metadata.continuous or np.ptp(recording.position) < _LARGEST_TRAVEL:
+        return None
+    rows = _average_blocks(recording)
+    if rows is None:
+        return None
+    _, position, torque, velocity, fast = rows
+    position, torque = position[fast], torque[fast]
+    plain = [np.sign(velocity), velocity, np.gradient(velocity), np.ones(velocity.size)]
+    columns = np.column_stack(plain)[fast]
+
+    def leave(*more: Samples) -> float:
+        design = np.column_stack([columns, *more])
+        design = design / np.maximum(np.linalg.norm(design, axis=0), 1e-300)
+        left = torque - design @ np.linalg.lstsq(design, torque, rcond=None)[0]
+        return float(left @ left)
+
+    turned = position / DEGREES
+    angle = leave(np.sin(turned), np.cos(turned))
+    others = min(leave(np.sin(position), np.cos(position)), leave(position, position**2))
+    if angle > _CLEARLY * others:
+        return None
+    return (
+        "the torque follows the sine of position / 57.3, as gravity does, and leaves "
+        f"{np.sqrt(others / max(angle, 1e-300)):.3g} times as much beside anything else"
+    )
 
 
 def _suspect_degrees(recording: Recording) -> tuple[Finding, ...]:
@@ -215,7 +285,11 @@ def _explain_factor(factor: float, recording: Recording) -> tuple[Finding, ...]:
                 message += " (factor 57.3)"
             return (Finding(code, "error", message, advice, column=column),)
     message = f"position moves {factor:.4g} times as far as velocity says"
-    return (Finding("velocity_scale", "warning", message, "check the unit of both", column="velocity"),)
+    advice = (
+        "check the unit of both; of a drive in MIT mode, whether both were read with this motor's own ranges (P_MAX, "
+        "V_MAX): those of another motor leave one factor at all speeds"
+    )
+    return (Finding("velocity_scale", "warning", message, advice, column="velocity"),)
 
 
 def _friction_in_quarters(recording: Recording) -> Samples | None:
@@ -223,17 +297,10 @@ def _friction_in_quarters(recording: Recording) -> Samples | None:
 
     Least squares beside inertia, gravity and offset; None where a quarter has not both directions.
     """
-    rows = max(5, round(0.05 / recording.sample_period))
-    count = len(recording) // rows * rows
-    blocks = [
-        values[:count].reshape(-1, rows).mean(axis=1)
-        for values in (recording.time, recording.position, recording.torque)
-    ]
-    time, position, torque = blocks
-    if time.size < 80:
+    averaged = _average_blocks(recording)
+    if averaged is None:
         return None
-    velocity = np.gradient(position, time)
-    fast = np.abs(velocity) > 0.1 * np.percentile(np.abs(velocity), 98)
+    time, position, torque, velocity, fast = averaged
     gravity = (np.sin(position), np.cos(position)) if recording.metadata.motion == "rotary" else (position,)
     design = np.column_stack([np.sign(velocity), np.gradient(velocity, time), np.ones(time.size), *gravity])
     found = []
@@ -245,6 +312,30 @@ def _friction_in_quarters(recording: Recording) -> Samples | None:
         share = abs(solution[0]) / max(float(np.std(torque[chosen])), 1e-300)
         found.append(solution[0] if share > 0.05 else 0.0)
     return np.array(found)
+
+
+class _Blocks(NamedTuple):
+    """Means over blocks of rows, the velocity between them, and which of them are fast. Shapes (n_blocks,)."""
+
+    time: Samples
+    position: Samples
+    torque: Samples
+    velocity: Samples
+    fast: NDArray[np.bool_]
+
+
+def _average_blocks(recording: Recording) -> _Blocks | None:
+    """Means over 50 ms; None where there are too few."""
+    rows = max(5, round(0.05 / recording.sample_period))
+    count = len(recording) // rows * rows
+    time, position, torque = (
+        values[:count].reshape(-1, rows).mean(axis=1)
+        for values in (recording.time, recording.position, recording.torque)
+    )
+    if time.size < _FEWEST_BLOCKS:
+        return None
+    velocity = np.gradient(position, time)
+    return _Blocks(time, position, torque, velocity, np.abs(velocity) > 0.1 * np.percentile(np.abs(velocity), 98))
 
 
 def _share_of_work(recording: Recording) -> float | None:

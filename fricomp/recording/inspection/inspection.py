@@ -10,11 +10,23 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.checks import check_recording
+from fricomp.recording.file import is_own, read_content
 from fricomp.recording.finding import Finding
-from fricomp.recording.named.column import read_column_name
+from fricomp.recording.named.choice import TORQUES
+from fricomp.recording.named.column import ColumnMeaning, read_column_name
 from fricomp.recording.named.log import NamedLog, separate_joints
-from fricomp.recording.named.source import read_named_columns
+from fricomp.recording.named.source import (
+    has_rows,
+    is_bag_folder,
+    read_named_columns,
+    read_quantity_files,
+    read_unnamed_columns,
+)
+from fricomp.recording.recording import Recording
+from fricomp.recording.sources import is_text
 from fricomp.recording.validity import Samples
+
+from .unnamed import guess_columns, render_guess
 
 __all__ = ["InspectedColumn", "Inspection", "inspect_log"]
 
@@ -49,12 +61,14 @@ class Inspection:
         log: Recordings by names; None where the names do not say enough.
         refusal: Why, then; else empty.
         findings: What the checks say of each recording, by the name of the joint.
+        guess: A mapping to edit where the names do not say enough, by what the numbers do.
     """
 
     columns: tuple[InspectedColumn, ...]
     log: NamedLog | None
     refusal: str
     findings: Mapping[str, tuple[Finding, ...]]
+    guess: str = ""
 
 
 def inspect_log(path: Path, channels: Mapping[str, str] | None = None) -> Inspection:
@@ -68,35 +82,82 @@ def inspect_log(path: Path, channels: Mapping[str, str] | None = None) -> Inspec
         RecordingError: The file cannot be read, or its columns have no names.
         MissingExtraError: The package that reads the format is not installed.
     """
-    columns, log, refusal = read_named_columns(path), None, ""
-    try:
-        log = separate_joints(path, columns, channels or {})
-    except RecordingError as error:
-        refusal = str(error)
-    taken: dict[str, list[str]] = {}
+    columns, log, refusal, numbered = *_read_columns(path), False
+    if not refusal:
+        try:
+            log = _with_facts_of_file(path, separate_joints(path, columns, channels or {}))
+        except RecordingError as error:
+            refusal = str(error)
+    else:
+        numbered = True
+    taken: dict[str, list[tuple[str, ColumnMeaning]]] = {}
     for joint, sources in log.sources.items() if log is not None else ():
-        for channel, (name, _) in sources.items():
-            taken.setdefault(name, []).append(channel if channel == "time" else f"{channel} of {joint}")
+        for channel, (name, meaning) in sources.items():
+            taken.setdefault(name, []).append((channel if channel == "time" else f"{channel} of {joint}", meaning))
     seen = tuple(_look_at(name, values, taken.get(name, [])) for name, values in columns.items())
     recordings = log.recordings if log is not None else ()
-    return Inspection(seen, log, refusal, {one.metadata.joint: check_recording(one) for one in recordings})
+    findings = {one.metadata.joint: check_recording(one) for one in recordings}
+    guess = render_guess(path, guess_columns(columns, _list_others(columns)), numbered=numbered) if log is None else ""
+    return Inspection(seen, log, refusal, findings, guess)
 
 
-def _look_at(name: str, values: Samples, taken: list[str]) -> InspectedColumn:
+def _with_facts_of_file(path: Path, log: NamedLog) -> NamedLog:
+    """The log with what a recording of the project's own form says of itself above its rows: joint, encoder, gear."""
+    if path.is_dir() or not is_own(path) or len(log.recordings) != 1:
+        return log
+    try:
+        metadata = read_content(path).recording.metadata
+    except RecordingError:
+        return log
+    (recording,) = log.recordings
+    sources = {metadata.joint: log.sources[recording.metadata.joint]}
+    own = Recording.from_channels(dict(recording.channels), metadata)
+    return NamedLog((own,), sources, log.notes, log.findings)
+
+
+def _read_columns(path: Path) -> tuple[dict[str, Samples], NamedLog | None, str]:
+    """All columns of a log, none of its joints yet, and why names say nothing: a text has none."""
+    if path.is_dir() and not is_bag_folder(path):
+        columns = read_quantity_files(path)
+        if not columns:
+            raise RecordingError(
+                f"{path} is a folder: name the log inside of it (a folder is one log where it holds a bag, or a file a "
+                "quantity, such as q.txt, tau.txt and time.txt)"
+            )
+        return columns, None, ""
+    try:
+        return read_named_columns(path), None, ""
+    except RecordingError as error:
+        if not (path.is_file() and is_text(path)) or not has_rows(path):
+            raise
+        return read_unnamed_columns(path), None, str(error)
+
+
+def _list_others(columns: Mapping[str, Samples]) -> list[str]:
+    """Columns whose names say that they hold something else than a torque."""
+    meanings = {name: read_column_name(name) for name in columns}
+    return [name for name, one in meanings.items() if one is not None and one.channel not in TORQUES]
+
+
+def _look_at(name: str, values: Samples, taken: list[tuple[str, ColumnMeaning]]) -> InspectedColumn:
     finite = values[np.isfinite(values)]
     lowest, highest = (float(finite.min()), float(finite.max())) if finite.size else (float("nan"), float("nan"))
-    taken_for = "; ".join(dict.fromkeys(taken)) if len(set(taken)) == 1 or "time" not in taken else "time"
-    return InspectedColumn(name, finite.size, lowest, highest, taken_for, _explain(name, taken_for))
+    channels = list(dict.fromkeys(channel for channel, _ in taken))
+    taken_for = "time" if "time" in channels else "; ".join(channels)
+    why = _explain_taken(taken_for, taken[0][1]) if taken else _explain_left(name)
+    return InspectedColumn(name, finite.size, lowest, highest, taken_for, why)
 
 
-def _explain(name: str, taken_for: str) -> str:
-    """Why a column is taken for what it is, or left out."""
-    meaning = read_column_name(name)
+def _explain_taken(taken_for: str, meaning: ColumnMeaning) -> str:
+    """Why a column is taken for what it is."""
     if taken_for == "time":
-        return "called as a time; the unit by its name, or by the step from row to row"
-    if taken_for:
-        unit = f"in {meaning.unit}" if meaning is not None and meaning.unit else "no unit in the name: taken as SI"
-        return unit
+        return f"called as a time; in {meaning.unit}, by its name or by the step from row to row"
+    return f"in {meaning.unit}" if meaning.unit else "in the unit of SI: its name has it, or none"
+
+
+def _explain_left(name: str) -> str:
+    """Why a column is left out."""
+    meaning = read_column_name(name)
     if meaning is None:
         return "no word of its name is a quantity"
     return f"could be {meaning.channel}, but another column says so more surely, or its joint has no position or torque"

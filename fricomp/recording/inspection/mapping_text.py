@@ -5,12 +5,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from fricomp.recording.named.choice import INTEGRAL
+from fricomp.recording.named.clock import NANOSECONDS
 from fricomp.recording.named.log import NamedLog
-from fricomp.recording.named.source import find_delimiter, read_first_lines
+from fricomp.recording.named.source import read_layout
+from fricomp.recording.sources import is_text
+from fricomp.recording.sources.text_layout import TextLayout
 
 __all__ = ["render_mapping"]
 
-_TEXT = (".csv", ".txt", ".dat", ".tsv")
+
+_ENCODER = "# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"
 
 
 def render_mapping(path: Path, log: NamedLog) -> str:
@@ -20,36 +25,53 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         path: The log.
         log: What was read from it by names.
     """
-    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *_describe_source(path)]
+    layout = read_layout(path) if path.is_file() and is_text(path) else None
+    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *_describe_source(layout)]
     joints = {name: dict(columns) for name, columns in log.sources.items()}
     metadata = log.recordings[0].metadata
-    facts = {"torque_unit": metadata.torque_unit, "motion": metadata.motion}
+    facts = {"torque_unit": metadata.torque_unit, "motion": metadata.motion, "torque_kind": metadata.torque_kind}
     if len(joints) == 1:
         facts = {"joint": metadata.joint, **facts}
     lines += ["", "[metadata]", *(f"{name} = {_quote(value)}" for name, value in facts.items())]
-    lines += ["# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"]
-    clock = next(iter(joints.values()))["time"]
-    lines += ["", "[channels]", _rule("time", clock[0], clock[1].unit, "from_zero = true")]
+    known = {name: getattr(metadata, name) for name in ("gear_ratio", "encoder_resolution")}
+    lines += [f"{name} = {value!r}" for name, value in known.items() if value is not None]
+    lines += ['torque_side = "motor"'] if metadata.torque_side == "motor" else []
+    lines += [] if known["encoder_resolution"] else [_ENCODER]
+    stamps, meaning = next(iter(joints.values()))["time"]
+    seconds, *rest = stamps.split(NANOSECONDS)
+    parts = [f"nanoseconds = {_column(one, layout)}" for one in rest]
+    lines += ["", "[channels]", _rule("time", seconds, meaning.unit, layout, *parts, "from_zero = true")]
     for name, columns in joints.items():
         table = "" if len(joints) == 1 else "channels."
         lines += [] if len(joints) == 1 else ["", "[[joints]]", f"name = {_quote(name)}"]
         own = ((channel, *source) for channel, source in columns.items() if channel != "time")
-        lines += [table + _rule(channel, column, meaning.unit) for channel, column, meaning in own]
+        lines += [table + _rule(channel, column, one.unit, layout) for channel, column, one in own]
     return "\n".join(lines) + "\n"
 
 
-def _describe_source(path: Path) -> list[str]:
-    if path.suffix.lower() not in _TEXT or not path.is_file():
+def _describe_source(layout: TextLayout | None) -> list[str]:
+    if layout is None:
         return []
-    head = read_first_lines(path, 1).rows[0]
-    mark = find_delimiter(head)
-    lines = ["[source]", "header = true", f"delimiter = {_quote(mark)}"]
-    return lines if mark == "," else [*lines, 'decimal = ","  # "." where numbers have points']
+    skipped = layout.names_line if layout.is_plain else layout.rows_line
+    lines = ["[source]", f"header = {str(layout.is_plain).lower()}", f"delimiter = {_quote(layout.delimiter)}"]
+    lines += [f"skip_lines = {skipped}"] if skipped else []
+    return lines if layout.delimiter == "," else [*lines, 'decimal = ","  # "." where numbers have points']
 
 
-def _rule(channel: str, column: str, unit: str, *more: str) -> str:
-    parts = [f"column = {_quote(column)}", *([f"unit = {_quote(unit)}"] if unit else []), *more]
+def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more: str) -> str:
+    if column == INTEGRAL:
+        return f'{channel} = {{ integral_of = "velocity" }}'
+    parts = [f"column = {_column(column, layout)}", *([f"unit = {_quote(unit)}"] if unit else []), *more]
     return f"{channel} = {{ {', '.join(parts)} }}"
+
+
+def _column(name: str, layout: TextLayout | None) -> str:
+    """The name of a column, or its number where the file does not have the name as it was read."""
+    if layout is not None and layout.names and not layout.names[0] and name == "time" and name not in layout.names:
+        return "1"  # an index of dates, whose column has no name
+    if layout is None or layout.is_plain or name not in layout.names:
+        return _quote(name)
+    return f"{layout.names.index(name) + 1}"
 
 
 def _quote(text: str) -> str:

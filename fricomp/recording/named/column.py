@@ -5,19 +5,29 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from .unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
+
 __all__ = ["RAW_UNIT", "ColumnMeaning", "name_joint", "read_column_name", "simplify_joint"]
 
 _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 _QUANTITIES = {
-    "position": ("q", "pos", "position", "positions", "angle", "angles", "theta", "qpos"),
-    "velocity": ("dq", "qd", "qdot", "vel", "velocity", "velocities", "speed", "omega", "qvel"),
-    "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc"),
-    "torque": ("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "tq", "force"),
-    "current": ("current", "currents", "amps"),
-    "temperature": ("temp", "temperature", "temperatures"),
+    "position": ("q", "pos", "position", "positions", "angle", "angles", "theta", "qpos", "winkel", "posizione"),
+    "velocity": (
+        *("dq", "qd", "qdot", "vel", "velo", "velocity", "velocities", "speed", "omega", "qvel", "dtheta", "thetadot"),
+        *("geschwindigkeit", "drehzahl", "vitesse", "velocidad"),
+    ),
+    "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc", "beschleunigung"),
+    "torque": (
+        *("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "tq", "tor", "force"),
+        *("drehmoment", "kraft", "couple", "coppia", "pwm", "duty"),
+    ),
+    "current": ("current", "currents", "amps", "iq", "curr", "strom", "courant", "corriente"),
+    "temperature": ("temp", "temperature", "temperatures", "temperatur"),
 }
-"""Words for a quantity, in small letters. Single letters but q are left out: they are as often a joint's name."""
+"""Words for a quantity, in small letters: English, and those of spreadsheets in German, French, Italian and Spanish.
+
+Single letters but q are left out: they are as often a joint's name."""
 
 _WORDS = {word: quantity for quantity, words in _QUANTITIES.items() for word in words}
 
@@ -34,48 +44,56 @@ _WANTED: tuple[str, ...] = (
     "target",
     "goal",
 )
-_WANTED += ("setpoint",)
+_WANTED += ("setpoint", "soll")
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
-_MEASURED |= {"j": 0}
+_MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
+_MEASURED |= {"filtered": 0, "filt": 0, "in": 0}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
 as well. `tau_J` is a Franka's."""
+_RATES = {"dot": ("velocity", "acceleration"), "ddot": ("acceleration", "")}
+"""Words behind that of a position or a velocity which make a derivative of it."""
+_COMPOUND = re.compile(
+    r"(\w+)(drehmoment|moment|geschwindigkeit|drehzahl|beschleunigung|winkel|strom|temperatur|kraft|position)"
+)
+"""Words that German joins to one: `Gelenkwinkel`, `Sollposition`."""
+
+_CURRENT = re.compile(r"(?<![A-Za-z0-9])[iI](_?\d+$|_q(?![A-Za-z]))")
+"""`i_q`, `i0`, `I_3`: the letter alone is as often a row's number or a joint's name."""
 
 _MOTOR = ("motor", "rotor")
+_SENSOR = ("sensor", "load", "transducer", "loadcell")
+"""Words of a torque that a sensor behind the gear measures."""
+_OUTSIDE = ("ext", "external", "contact")
+"""Words of a torque that an observer believes to come from outside; it is none of the joint's."""
+
+_NO_CHANNEL = (
+    *("err", "error", "errors", "constant", "limit", "limits"),
+    *("enable", "enabled", "mode", "status", "flag", "fault", "id"),
+)
+"""Words of what is worked out from a channel, bounds it, or switches it."""
 
 _REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
 
-_UNIT = re.compile(
-    r"(?<![A-Za-z])((?i:deg/s|degps|dps|deg|degrees|rad/s|mrad|rad|rpm|turns/s|turns|rev|mnm|nm|n·m|ma|mm/s|mm|degc|kn)"
-    r"|A(?!\d)|m(?!\d)|N|°C|C(?!\d))(?![A-Za-z])"
+_ANGLES = ("theta", "angle", "angles", "winkel", "omega", "drehzahl")
+_FORCES = ("force", "kraft")
+"""Words that say the unit of their quantity, or what it is not."""
+_RAW: tuple[str, ...] = (
+    "count",
+    "counts",
+    "tick",
+    "ticks",
+    "raw",
+    "lsb",
+    "increments",
+    "pulses",
+    "codes",
+    "steps",
+    "encoder",
 )
-_UNITS = {
-    "position": {
-        "deg": "deg",
-        "degrees": "deg",
-        "mrad": "mrad",
-        "m": "m",
-        "mm": "mm",
-        "turns": "turns",
-        "rev": "turns",
-    },
-    "velocity": {
-        "deg": "deg/s",
-        "deg/s": "deg/s",
-        "degps": "deg/s",
-        "dps": "deg/s",
-        "rpm": "rpm",
-        "turns/s": "turns/s",
-        "mm": "mm/s",
-        "mm/s": "mm/s",
-    },
-    "acceleration": {"deg": "deg/s^2", "mm": "mm/s^2"},
-    "torque": {"mnm": "mNm", "A": "A", "ma": "mA", "N": "N", "kn": "kN"},
-    "current": {"ma": "mA"},
-}
-"""Unit that a word means for a quantity, longer words in small letters; where none is given it means that of SI."""
-
-_RAW = ("count", "counts", "tick", "ticks", "raw", "lsb", "increments", "pulses", "codes", "steps", "encoder")
-"""Words of columns in units of a device, which no name says the size of."""
+_RAW += ("percent", "pct", "pwm", "duty", "permille")
+"""Words of columns in units of a device or in parts of a rating, which no name says the size of."""
+_ENCODER = ("encoder", "enc", "ticks", "counts")
+"""Words of a position, where no other word is a quantity."""
 RAW_UNIT = "counts"
 
 
@@ -87,7 +105,8 @@ class ColumnMeaning:
         channel: Channel of a recording.
         joint: What is left of the name: the joint's own, or a number.
         certainty: How surely the name says that it was measured, from 0.
-        unit: Name of its unit; empty where it is that of SI, or not said; `RAW_UNIT` where it is that of a device.
+        unit: Name of its unit; empty where it is that of SI, or not said; `RAW_UNIT` where it is that of a device,
+            `UNKNOWN_UNIT` where it is one that nobody here knows.
     """
 
     channel: str
@@ -101,37 +120,97 @@ def read_column_name(name: str) -> ColumnMeaning | None:
 
     `q_3`, `Position3`, `actual_q_2`, `tau_J:4`, `shoulder.effort`, `/joint_states/elbow/velocity`, `q_cmd[deg]:1`.
     """
-    words = [(match.group().lower(), match.span()) for match in _TOKEN.finditer(name)]
-    known = [k for k, (word, _) in enumerate(words) if word in _WORDS]
-    if not known:
+    words = _split_words(name)
+    found = _find_quantity(name, words)
+    if found is None:
+        unit = read_unit(name) if len(name) > 1 else ""  # `rad`, `mA`; single letters are as often a joint's name
+        kind = kind_of_unit(unit)
+        return ColumnMeaning(kind, "", 0, unit_for(kind, unit)) if kind and kind != "voltage" else None
+    at, quantity = found
+    said = _find_units(name, words[at])
+    quantity = _settle_quantity(quantity, said)
+    roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, at, quantity, has_unit=bool(said)))}
+    rate = next((words[k][0] for k, role in roles.items() if role == "rate"), "")
+    if rate:
+        quantity = _RATES[rate][("position", "velocity").index(quantity)]
+    if not quantity or "outside" in roles.values() or ("wanted" in roles.values() and quantity not in _REFERENCES):
         return None
-    at = known[-1]
-    quantity, start = _WORDS[words[at][0]], words[at][1][0]
-    said = [match for match in _UNIT.finditer(name) if match.start() > start]
-    dropped, certainty = [words[at][1], *(match.span() for match in said)], 0
-    is_wanted = is_motor = is_raw = False
-    for k, (word, span) in enumerate(words):
-        if word in _WANTED or (word == "d" and k > at):
-            is_wanted = True
-        elif word in _MEASURED:
-            certainty = max(certainty, _MEASURED[word])
-        elif word in _MOTOR and quantity == "position":
-            is_motor = True
-        elif word in _RAW and not said:
-            is_raw, certainty = True, -1
+    measured = [_MEASURED[words[k][0]] for k, role in roles.items() if role == "measured"]
+    is_raw = "raw" in roles.values() or "%" in name
+    dropped = [words[at][1], *(one.span for one in said), *(words[k][1] for k in roles)]
+    unit = "N" if words[at][0] in _FORCES else ""
+    unit = RAW_UNIT if is_raw else unit_for(quantity, said[0].unit) if said else unit
+    certainty = -1 if is_raw or unit == UNKNOWN_UNIT else max(measured, default=0)
+    return ColumnMeaning(_find_channel(quantity, set(roles.values())), _cut_out(name, sorted(dropped)), certainty, unit)
+
+
+def _split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
+    """The words of a name in small letters, with where they stand; those that German joins are two."""
+    words = []
+    for match in _TOKEN.finditer(name):
+        word, (start, end) = match.group().lower(), match.span()
+        joined = None if word in _WORDS else _COMPOUND.fullmatch(word)
+        if joined:
+            cut = start + joined.end(1)
+            words += [(joined.group(1), (start, cut)), (joined.group(2), (cut, end))]
         else:
-            continue
-        dropped.append(span)
-    if is_wanted and quantity not in _REFERENCES:
-        return None
-    channel = _REFERENCES[quantity] if is_wanted else "motor_position" if is_motor else quantity
-    unit = RAW_UNIT if is_raw else _find_unit(quantity, said[0].group()) if said else ""
-    return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), certainty, unit)
+            words.append((word, (start, end)))
+    return words
 
 
-def _find_unit(quantity: str, word: str) -> str:
-    known = _UNITS.get(quantity, {})
-    return known.get(word if len(word) == 1 else word.lower(), "")
+def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:
+    """The quantity that word and unit agree on: `q-axis [A]` is a current; nothing where they contradict each other."""
+    kind = kind_of_unit(said[0].unit) if said else ""
+    if not kind or kind == quantity or (quantity == "torque" and kind in ("current", "voltage")):
+        return quantity
+    if kind == "position" and quantity in ("velocity", "acceleration"):
+        return quantity  # speed_deg: degrees a second
+    if quantity in ("position", "velocity") and kind in ("velocity", "acceleration", "current"):
+        return kind
+    return "torque" if (quantity, kind) == ("current", "torque") else ""
+
+
+def _find_units(name: str, word: tuple[str, tuple[int, int]]) -> list[UnitWord]:
+    """The units that a name states behind the word of its quantity."""
+    said = find_unit_words(name, word[1][0])
+    if word[0] in _ANGLES:  # theta_m is a motor's, and not in metres
+        return [one for one in said if one.text not in ("m", "mm")]
+    return said
+
+
+def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quantity: str, *, has_unit: bool) -> str:
+    """What a word says of the quantity beside it; nothing where it is of the joint's name."""
+    word = words[k][0]
+    if word in _NO_CHANNEL:
+        return "outside"
+    if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
+        return "rate"
+    if word in _WANTED or (word == "d" and k > at):
+        return "wanted"
+    if word in _MEASURED:
+        return "measured"
+    if quantity == "position" and word in _MOTOR:
+        return "motor"
+    if quantity == "torque" and word in (*_SENSOR, *_OUTSIDE):
+        return "sensor" if word in _SENSOR else "outside"
+    return "raw" if word in (*_RAW, *_ENCODER) and not has_unit else ""
+
+
+def _find_channel(quantity: str, roles: set[str]) -> str:
+    if "wanted" in roles:
+        return _REFERENCES[quantity]
+    return "motor_position" if "motor" in roles else "load_torque" if "sensor" in roles else quantity
+
+
+def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple[int, str] | None:
+    """The word that is a quantity, the last of several, and which; None where there is none."""
+    if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name
+        return next(k for k, (word, _) in enumerate(words) if word == "i"), "current"
+    known = [k for k, (word, _) in enumerate(words) if word in _WORDS]
+    if known:
+        return known[-1], _WORDS[words[known[-1]][0]]
+    counted = [k for k, (word, _) in enumerate(words) if word in _ENCODER]
+    return (counted[0], "position") if counted else None
 
 
 def _cut_out(name: str, spans: list[tuple[int, int]]) -> str:

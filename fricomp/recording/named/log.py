@@ -13,21 +13,22 @@ from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.recording import CHANNELS, Recording
+from fricomp.recording.runs import integrate, order_runs
 from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import Samples, drop_bad_rows
+from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
-from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name, simplify_joint
+from .choice import INTEGRAL, TORQUES, Chosen, choose_columns, list_names
+from .clock import find_stamps, read_times
+from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name
 from .source import read_first_lines, read_named_columns
+from .unit_word import UNKNOWN_UNIT
 
 __all__ = ["NamedLog", "is_native", "read_named_log", "separate_joints"]
 
-_TIME = re.compile(
-    r"^(.*[/_.])?(t|time|times|timestamps?|stamps?|elapsed|__time)([_\s\[(]*(s|sec|ms|us|ns)[\])]?)?$", re.I
-)
-
-_TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
-"""Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
+_GEARED = 1.5
+"""Motor turns a turn of the joint from which on there is a gear between them."""
+_REFERENCES = ("position_reference", "velocity_reference", "torque_command")
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,6 @@ class NamedLog:
     findings: tuple[Finding, ...] = ()
 
 
-Chosen = dict[tuple[str, str], tuple[str, ColumnMeaning]]
-"""Column and its meaning, by channel and by what is left of the column's name for the joint."""
-
-
 def is_native(path: Path) -> bool:
     """Whether a file is a recording of one joint: its columns are called as channels are, and hold one number a row."""
     if path.suffix.lower() in (".parquet", ".pq"):
@@ -61,7 +58,9 @@ def is_native(path: Path) -> bool:
     if lines.states_schema or not lines.rows:
         return True
     cells = {cell.strip() for cell in lines.rows[0].split(",")}
-    return cells <= set(CHANNELS) and not any("[" in row for row in lines.rows[1:])
+    if not cells <= set(CHANNELS) or ("time" in cells and "position" not in cells and "velocity" in cells):
+        return False
+    return not any("[" in row or not any(map(str.isdigit, row)) for row in lines.rows[1:])  # lists, or a line of units
 
 
 def _is_native_parquet(path: Path) -> bool:
@@ -88,13 +87,13 @@ def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row
     """
     columns = read_named_columns(path)
     if row_rate is not None:
-        stamps = [name for name in columns if _TIME.match(name)]
+        stamps = find_stamps(columns)
         columns = with_row_rate({name: values for name, values in columns.items() if name not in stamps}, row_rate)
     return separate_joints(path, columns, channels or {})
 
 
 def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> NamedLog:
-    """One recording of each joint that has a position and a torque or a current.
+    """One recording of each joint that has a position, or a velocity, and a torque or what stands for one.
 
     Args:
         path: Of the file, for messages.
@@ -104,18 +103,15 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     Raises:
         RecordingError: The columns do not say where time, position or torque is.
     """
-    time_name, unit, time = _take_time(path, columns)
-    chosen = _choose_columns(path, columns, channels)
-    joints = list(dict.fromkeys(joint for channel, joint in chosen if channel == "position"))
-    complete = [j for j in joints if ("torque", j) in chosen or ("current", j) in chosen]
+    column, unit, time = read_times(path, columns)
+    chosen = choose_columns(path, columns, channels)
+    moved = [joint for joint, own in chosen.items() if "position" in own]
+    source = next((one for one in TORQUES if any(one in chosen[joint] for joint in moved)), "")
+    complete = [joint for joint in moved if any(one in chosen[joint] for one in (source, *TORQUES[:2]))]
     if not complete:
-        what = "a position and a torque" if not joints else "the torque"
-        raise RecordingError(
-            f"{path} does not say where {what} of a joint is: its columns are {_list_names(columns)}. Name them such "
-            "as q_1 and tau_1, say it by --channel torque=NAME, or give a --mapping (docs/recordings.md)"
-        )
+        raise RecordingError(_explain_missing(path, columns, chosen))
     notes: list[str] = []
-    silent = [chosen["position", j][1].joint for j in joints if j not in complete]
+    silent = [chosen[joint]["position"][1].joint for joint in moved if joint not in complete]
     if silent:
         notes.append(
             f"{path.name} has no torque of {', '.join(map(name_joint, silent))}: held as the simulation has it."
@@ -124,77 +120,40 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     sources: dict[str, Mapping[str, tuple[str, ColumnMeaning]]] = {}
     findings: list[Finding] = []
     for joint in complete:
-        own = {channel: one for (channel, j), one in chosen.items() if j == joint}
+        own = chosen[joint]
         recording, found = _build(path, time, columns, own)
         notes += [f"{path.name}, {recording.metadata.joint}: {finding.message}." for finding in found]
+        notes += _say_gear(path, recording, own)
         findings += found
         recordings.append(recording)
-        sources[recording.metadata.joint] = {"time": (time_name, ColumnMeaning("time", "", 0, unit)), **own}
+        sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
     notes.append(_say_columns(path, recordings, sources))
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
 
 
-def _take_time(path: Path, columns: Mapping[str, Samples]) -> tuple[str, str, Samples]:
-    """The column of time, its unit, and the time of the rows from the first one [s]."""
-    names = sorted((name for name in columns if _TIME.match(name)), key=lambda name: (len(name), name))
-    if not names:
-        raise RecordingError(
-            f"{path} has no column of time: its columns are {_list_names(columns)}. Call it time [s], or give a "
-            "--mapping with time = { rate = ROWS_A_SECOND }"
+def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) -> str:
+    """What the columns do not say, and what to write."""
+    motors = [own["motor_position"][0] for own in chosen.values() if "motor_position" in own and "position" not in own]
+    if motors:
+        return (
+            f"{path} has the position of a motor alone, {motors[0]!r}: say --channel position={motors[0]} where there "
+            f"is no gear; else write position = {{ column = {motors[0]!r}, scale = 1/RATIO }} in a mapping, and "
+            "scale = RATIO for a motor's torque (docs/recordings.md)"
         )
-    time = columns[names[0]]
-    finite = time[np.isfinite(time)]
-    if finite.size < 2:
-        raise RecordingError(f"{path}: the column {names[0]!r} holds no times")
-    said = re.search(r"(ms|us|ns)[\])]?$", names[0], re.IGNORECASE)
-    step = float(np.median(np.abs(np.diff(finite))))
-    unit = said.group(1).lower() if said else next(one for most, one in _TIME_UNITS if step < most)
-    return names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor)
+    has_position = any("position" in own for own in chosen.values())
+    silent = [name for name, values in columns.items() if read_column_name(name) is None and _varies(values)]
+    silent = [name for name in silent if name not in find_stamps(columns)]
+    such = f", such as --channel torque={silent[0]} where it is that one," if has_position and silent else ","
+    return (
+        f"{path} does not say where {'the torque' if has_position else 'a position and a torque'} of a joint is: its "
+        f"columns are {list_names(columns)}. Name them such as q_1 and tau_1, say it by --channel torque=NAME{such} or "
+        f"give a --mapping ('fricomp convert {path} --inspect' has one to edit)"
+    )
 
 
-def _choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> Chosen:
-    """The column of each channel of each joint; of one joint alone the columns may name none."""
-    candidates: dict[tuple[str, str], list[tuple[str, ColumnMeaning]]] = {}
-    asked = {name: meaning for name in columns for meaning in [_match_asked(name, channels)] if meaning}
-    for name in columns:
-        meaning = asked.get(name) or read_column_name(name)
-        if meaning is None or (meaning.channel in channels and name not in asked):
-            continue
-        candidates.setdefault((meaning.channel, simplify_joint(meaning.joint)), []).append((name, meaning))
-    missing = sorted(set(channels) - {channel for channel, _ in candidates})
-    if missing:
-        raise RecordingError(
-            f"{path} has no column {channels[missing[0]]!r} for --channel {missing[0]}: it has {_list_names(columns)}"
-        )
-    alone = not any(joint for channel, joint in candidates if channel == "position")
-    wanted = {key: found for key, found in candidates.items() if alone == (not key[1])}
-    return {(channel, joint): _choose_one(path, channel, found) for (channel, joint), found in wanted.items()}
-
-
-def _choose_one(path: Path, channel: str, found: Sequence[tuple[str, ColumnMeaning]]) -> tuple[str, ColumnMeaning]:
-    """The column that says the most surely that it was measured."""
-    most = max(meaning.certainty for _, meaning in found)
-    best = [one for one in found if one[1].certainty == most]
-    if len(best) > 1 and channel in ("position", "torque"):
-        joint = best[0][1].joint
-        whose = f" of joint {name_joint(joint)}" if joint else ""
-        raise RecordingError(
-            f"{path}: {' and '.join(repr(name) for name, _ in best)} could each be the {channel}{whose}: choose by "
-            f"--channel {channel}=NAME"
-        )
-    return best[0]
-
-
-def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None:
-    """What a column is by what the user said of it."""
-    for channel, wanted in channels.items():
-        pattern = re.escape(wanted).replace(re.escape("{joint}"), "(.+)")
-        pattern = pattern if "{joint}" in wanted else f"{pattern}(?:[:_.\\[]?(\\d+)\\]?)?"
-        match = re.fullmatch(pattern, name)
-        if match:
-            meaning = read_column_name(name)
-            return ColumnMeaning(channel, match.group(1) or "", 3, meaning.unit if meaning else "")
-    return None
+def _varies(values: Samples) -> bool:
+    finite = values[np.isfinite(values)]
+    return finite.size > 1 and bool(np.ptp(finite) > 0.0)
 
 
 def _build(
@@ -203,24 +162,27 @@ def _build(
     """The recording of a joint, and what is said of its rows; a current stands in for a torque that is not there."""
     joint, linear = own["position"][1].joint, _is_linear(own)
     unit = "N" if linear else "N·m"
-    if "torque" not in own:
-        own["torque"], unit = own["current"], "A"
-    elif own["torque"][1].unit in ("A", "mA"):
+    stands_in = next(one for one in TORQUES if one in own)
+    own["torque"] = own[stands_in]
+    if stands_in == "current" or own["torque"][1].unit in ("A", "mA"):
         unit = "A"
-    table = {"time": time}
-    for channel, (column, meaning) in own.items():
-        if meaning.unit == RAW_UNIT:
-            raise RecordingError(
-                f"{path}: {column!r} is in units of a device: say in a mapping what one is worth, such as "
-                f"{channel} = {{ column = {column!r}, scale = 1e-3 }}"
-            )
-        found = find_unit(meaning.unit) if meaning.unit else None
-        values = columns[column]
-        if values.size != time.size:
-            raise RecordingError(f"{path}: {column!r} has {values.size} rows, and the time {time.size}")
-        table[channel] = values * found.factor + found.offset if found else values
-    usable, findings = drop_bad_rows(_leave_out_empty(table))
+    elif own["torque"][1].unit in ("V", "mV"):
+        unit = "V"
+    table = {"time": time, **_to_si(path, columns, own, time.size)}
+    if own["position"][0] == INTEGRAL:
+        table["position"] = table["velocity"]
+    table = _leave_out_empty(table)
+    for channel in [one for one in own if one not in table and own[one][0] != INTEGRAL]:
+        del own[channel]
+    table, twins = drop_twins(table)
+    table, findings = order_runs(table)
+    usable, left_out = drop_bad_rows(table)
+    findings += twins + left_out
+    if own["position"][0] == INTEGRAL:
+        usable["position"] = integrate(usable["velocity"], usable["time"])
     if usable["time"].size < 2:
+        if not findings:
+            raise RecordingError(f"{path} has fewer than two rows with both a position and a torque: record longer")
         raise RecordingError(
             f"{path}: {findings[0].message}; say --row-rate to fricomp convert where stamps are held or missing"
         )
@@ -228,27 +190,93 @@ def _build(
         joint=name_joint(joint) if joint else RecordingMetadata().joint,
         motion="linear" if linear else "rotary",
         torque_unit=unit,
+        torque_kind="commanded" if stands_in == "torque_command" else RecordingMetadata().torque_kind,
         source=path.name,
     )
     return Recording.from_channels(usable, metadata), findings
 
 
+def _to_si(
+    path: Path, columns: Mapping[str, Samples], own: Mapping[str, tuple[str, ColumnMeaning]], rows: int
+) -> dict[str, Samples]:
+    """The channels of a joint that have a column, in SI.
+
+    Raises:
+        RecordingError: A column is in units of a device, or has not one value a row.
+    """
+    table = {}
+    for channel, (column, meaning) in own.items():
+        if column == INTEGRAL:
+            continue
+        if meaning.unit == RAW_UNIT:
+            scale = "6.2832/COUNTS_A_TURN" if channel in ("position", "motor_position") else "VALUE_OF_ONE"
+            raise RecordingError(
+                f"{path}: {column!r} is in units of a device: say in a mapping what one is worth, such as "
+                f"{channel} = {{ column = {column!r}, scale = {scale} }} with the number worked out"
+            )
+        if meaning.unit == UNKNOWN_UNIT:
+            raise RecordingError(
+                f"{path}: the unit in {column!r} is not known: say in a mapping what one of it is in SI, such as "
+                f"{channel} = {{ column = {column!r}, scale = VALUE_OF_ONE }}, and the other columns beside it "
+                "('fricomp convert LOG --inspect' shows them)"
+            )
+        found = find_unit(meaning.unit) if meaning.unit else None
+        values = columns[column]
+        if values.size != rows:
+            raise RecordingError(f"{path}: {column!r} has {values.size} rows, and the time {rows}")
+        table[channel] = values * found.factor + found.offset if found else values
+    return table
+
+
 def _is_linear(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
     """Whether the joint slides: its position is in metres, or what moves it is a force."""
-    said = {channel: meaning.unit for channel, (_, meaning) in own.items() if meaning.unit not in ("", RAW_UNIT)}
+    said = {
+        channel: meaning.unit
+        for channel, (_, meaning) in own.items()
+        if meaning.unit not in ("", RAW_UNIT, UNKNOWN_UNIT)
+    }
     stated = {channel: find_unit(unit).si for channel, unit in said.items()}
-    return stated.get("position") == "m" or stated.get("torque") == "N"
+    return stated.get("position") == "m" or stated.get("velocity") == "m/s" or stated.get("torque") == "N"
 
 
 def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
-    """Channels that are needed, and the others where they have a number in nearly every row with a position."""
+    """Channels that are needed, and the others where they have a number in nearly every row with a position.
+
+    A reference that never changes while the joint moves is none: its loop follows another one.
+    """
     said = np.isfinite(table["position"]) & np.isfinite(table["torque"])
     needed = ("time", "position", "torque")
     return {
         name: values[said]
         for name, values in table.items()
-        if name in needed or np.count_nonzero(np.isfinite(values[said])) > 0.99 * np.count_nonzero(said)
+        if name in needed
+        or (
+            np.count_nonzero(np.isfinite(values[said])) > 0.99 * np.count_nonzero(said)
+            and not (name in _REFERENCES and np.ptp(values[said]) == 0.0 and np.ptp(table["position"][said]) > 0.0)
+        )
     }
+
+
+def _say_gear(path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
+    """What to write where a torque that is called the motor's may be that before a gear which both encoders show."""
+    column = own["torque"][0]
+    travel = float(np.ptp(recording.position))
+    if recording.motor_position is None or travel == 0.0 or not re.search("motor|rotor", column, re.IGNORECASE):
+        return []
+    ratio = float(np.polyfit(recording.position, recording.motor_position, 1)[0])
+    if abs(ratio) < _GEARED:
+        return []
+    return [
+        f"{path.name}: the motor moves {ratio:.4g} times as far as the joint, and {column!r} is called its torque: "
+        f'where that is before the gear, write torque_side = "motor" and gear_ratio = {ratio:.4g} under [metadata] of '
+        "a mapping."
+    ]
+
+
+def _as_si(channel: str, recording: Recording) -> str:
+    """The unit of SI that a column without one in its name is taken in."""
+    unit = {"position": recording.metadata.position_unit, "torque": recording.metadata.torque_unit}.get(channel)
+    return f" as {unit}" if unit else ""
 
 
 def _say_columns(
@@ -257,13 +285,11 @@ def _say_columns(
     """One sentence on what was taken for what, with the units that names state."""
     first = recordings[0]
     said = [
-        f"{channel} {column!r}" + (f" in {meaning.unit}" if meaning.unit else "")
+        f"{channel} {column!r}" + (f" in {meaning.unit}" if meaning.unit else _as_si(channel, first))
+        if column != INTEGRAL
+        else f"{channel} from the integral of velocity, so that gravity and cogging are told from no zero"
         for channel, (column, meaning) in sources[first.metadata.joint].items()
         if channel in first.channels
     ]
     whose = f"{len(recordings)} joints; of the first, " if len(recordings) > 1 else "by the names of its columns, "
     return f"{path.name}: {whose}{', '.join(said)}."
-
-
-def _list_names(columns: Mapping[str, Samples]) -> str:
-    return ", ".join(list(columns)[:20]) + (" …" if len(columns) > 20 else "")

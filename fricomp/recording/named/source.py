@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,26 +13,33 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.sources import read_columns
-from fricomp.recording.sources.text import find_encoding, parse_number
+from fricomp.recording.sources import is_text, read_columns
+from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_nan, read_lines
+from fricomp.recording.sources.text_layout import TextLayout, find_layout
 from fricomp.recording.validity import Samples
-from fricomp.untrusted import find_size_limit
 
 from .column import read_column_name
 
 __all__ = [
     "FirstLines",
-    "find_delimiter",
+    "explain_unnamed",
+    "has_rows",
     "is_bag_folder",
     "read_first_lines",
+    "read_layout",
     "read_named_columns",
     "read_quantity_files",
+    "read_unnamed_columns",
+    "separate_long_rows",
 ]
 
-_TEXT = (".csv", ".txt", ".dat", ".tsv")
-_MARKS = ",;\t|"
-_LONGEST_LINE = 10_000
+_FIRST_LINES = 200
+"""Lines among which names and the first row are looked for."""
+_JOINT_COLUMNS = ("joint", "joint_name", "name", "motor", "motor_name", "axis", "actuator", "drive")
+_MOST_JOINTS = 64
+_LONGEST_LINE = 100_000
 """Characters of a first line that are looked at."""
+_PLAIN_NUMBER = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?")
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 
 
@@ -51,11 +59,8 @@ def read_named_columns(path: Path, topic: str = "") -> dict[str, Samples]:
         RecordingError: The file cannot be read, or its columns have no names.
         MissingExtraError: The package that reads it is not installed.
     """
-    if path.is_file() and path.suffix.lower() in _TEXT:
-        try:
-            return _read_text(path)
-        except csv.Error as error:
-            raise RecordingError(f"{path} is no table of text: {error}") from error
+    if path.is_file() and is_text(path):
+        return _read_text(path)
     columns = read_columns(path, Source(topic=topic), ())
     return {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
 
@@ -65,7 +70,7 @@ class FirstLines(NamedTuple):
 
     Attributes:
         states_schema: Its first line says that it is a recording.
-        rows: The first lines that are neither empty nor comments, each cut to 10,000 characters.
+        rows: The first lines that are neither empty nor comments, each cut to 100,000 characters.
     """
 
     states_schema: bool
@@ -81,35 +86,90 @@ def read_first_lines(path: Path, count: int) -> FirstLines:
     return FirstLines(first.startswith("# fricomp.recording/"), rows)
 
 
-def find_delimiter(head: str) -> str:
-    """The mark between the names in the first line of a text table."""
-    return max(_MARKS, key=head.count)
+def has_rows(path: Path) -> bool:
+    """Whether a text has rows of numbers at all."""
+    try:
+        read_layout(path)
+    except RecordingError:
+        return False
+    return True
+
+
+def read_layout(path: Path) -> TextLayout:
+    """How a text table is laid out.
+
+    Raises:
+        RecordingError: It is no text, or no line of it is a row of numbers.
+    """
+    with path.open(encoding=find_encoding(path), errors="replace") as stream:
+        lines = [line[:_LONGEST_LINE] for line in itertools.islice(stream, _FIRST_LINES)]
+    return _require_layout(path, lines)
+
+
+def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:
+    try:
+        layout = find_layout(lines)
+    except csv.Error as error:
+        raise RecordingError(f"{path} is no table of text: {error}") from error
+    if layout is None:
+        shown = next((line.strip() for line in lines if line.strip()), "")[:60]
+        raise RecordingError(
+            f"{path} has no rows of numbers below its first line {shown!r}: give a table with one column a quantity"
+        )
+    return layout
 
 
 def _read_text(path: Path) -> dict[str, Samples]:
-    """Columns of a text table with a header; a cell such as `[0.1, 0.2]` is several."""
-    if path.stat().st_size > find_size_limit(path):
-        raise RecordingError(f"{path} is too large for a log of text: cut it, or write it as Parquet")
-    with path.open(encoding=find_encoding(path), errors="replace", newline="") as stream:
-        lines = (line for line in stream if line.strip() and not line.startswith("#"))
-        head = next(lines, "")
-        mark = find_delimiter(head)
-        names = [cell.strip() for cell in next(csv.reader([head], delimiter=mark), [])]
-        if all(np.isfinite(_to_number(name)) for name in names):
-            raise RecordingError(
-                f"{path} has no line of names above its numbers: say by --mapping which column is which "
-                "(docs/recordings.md)"
-            )
-        rows = [row for row in csv.reader(lines, delimiter=mark) if row]
-    decimal = "," if mark != "," else "."
+    """Columns of a text table with a line of names; a cell such as `[0.1, 0.2]` is several."""
+    lines = read_lines(path)
+    layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:_FIRST_LINES]])
+    if not layout.names:
+        raise RecordingError(explain_unnamed(path))
+    rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
+    names = _name_index(layout.names, rows)
     columns: dict[str, Samples] = {}
+    words: dict[str, list[str]] = {}
     for k, name in enumerate(names):
-        columns.update(_read_cells(name, [row[k].strip() if k < len(row) else "" for row in rows], decimal))
-    return columns
+        cells = [row[k] if k < len(row) else "" for row in rows]
+        found = _read_cells(name, cells, layout.decimal)
+        columns.update(found)
+        if not any(np.isfinite(values).any() for values in found.values()):
+            words[name] = cells
+    return separate_long_rows(columns, words)
+
+
+def explain_unnamed(path: Path) -> str:
+    """What to do with a table that has no names."""
+    return (
+        f"{path} has no line of names above its numbers: write one, such as time,position,torque, or say by --mapping "
+        f"which column is which ('fricomp convert {path} --inspect' shows them by their numbers, with a mapping to "
+        "edit)"
+    )
+
+
+def _name_index(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """The names with that of the first column as a time where it has none and holds dates, as data frames write it."""
+    first = rows[0][0] if rows and rows[0] else ""
+    if names[0] or "time" in names or not any(mark in first for mark in ":-") or not np.isfinite(_to_number(first)):
+        return list(names)
+    return list(names) if _PLAIN_NUMBER.fullmatch(first.strip()) else ["time", *names[1:]]
+
+
+def read_unnamed_columns(path: Path) -> dict[str, Samples]:
+    """Columns of a text table without names, by their numbers from 1.
+
+    Raises:
+        RecordingError: It is no table of numbers.
+    """
+    lines = read_lines(path)
+    layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:_FIRST_LINES]])
+    rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
+    numbers = range(max(map(len, rows), default=0))
+    return {str(k + 1): np.array([number_or_nan(row, k, layout.decimal) for row in rows]) for k in numbers}
 
 
 def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]:
-    """A column of numbers or of dates, or one for each entry of its lists; nothing of a column of words."""
+    """A column of numbers or of dates, or one for each entry of its lists; of words nothing but NaN."""
     if cells and cells[0][:1] in ("[", "("):
         entries = [[_to_number(each) for each in cell.strip("[]()").replace(",", " ").split()] for cell in cells]
         width = max(map(len, entries))
@@ -117,15 +177,33 @@ def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]
         for row, numbers in zip(matrix, entries, strict=True):
             row[: len(numbers)] = numbers
         return {f"{name}:{k}": column for k, column in enumerate(matrix.T, start=1)}
-    values = np.array([_to_number(cell, decimal) for cell in cells])
-    return {name: values} if np.isfinite(values).any() else {}
+    return {name: np.array([number_or_nan((cell,), 0, decimal) for cell in cells])}
 
 
-def _to_number(text: str, decimal: str = ".") -> float:
-    try:
-        return parse_number(text, decimal)
-    except ValueError:
-        return float("nan")
+def _to_number(text: str) -> float:
+    return number_or_nan((text,), 0, ".")
+
+
+def separate_long_rows(columns: dict[str, Samples], words: Mapping[str, list[str]]) -> dict[str, Samples]:
+    """Columns of each joint, of a table whose rows are of several joints in turns; else the columns as they are.
+
+    Args:
+        columns: By name; those of words hold no number. Shape (n_rows,) each.
+        words: What stands in the latter.
+    """
+    for name, cells in words.items():
+        joints = list(dict.fromkeys(cells))
+        turns = sum(a != b for a, b in itertools.pairwise(cells))
+        if name.lower() in _JOINT_COLUMNS and 1 < len(joints) <= _MOST_JOINTS and turns > 0.1 * len(cells):
+            rows = np.array(cells)
+            separate = {one: values for one, values in columns.items() if read_column_name(one) is not None}
+            kept = {one: values for one, values in columns.items() if one not in separate and one != name}
+            return kept | {
+                f"{joint}/{one}": np.where(rows == joint, values, np.nan)
+                for joint in joints
+                for one, values in separate.items()
+            }
+    return columns
 
 
 def read_quantity_files(folder: Path) -> dict[str, Samples]:
@@ -136,7 +214,7 @@ def read_quantity_files(folder: Path) -> dict[str, Samples]:
     Returns:
         Named `position:1` and so on, and `time`; empty where the folder is no such.
     """
-    files = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in _TEXT and path.is_file()]
+    files = [path for path in sorted(folder.iterdir()) if path.is_file() and is_text(path)]
     times = [path for path in files if _TIME_FILE.search(path.stem)]
     meanings = {path: read_column_name(path.stem) for path in files if path not in times}
     if len(times) != 1 or not any(one is not None and one.channel == "position" for one in meanings.values()):

@@ -10,12 +10,17 @@ from fricomp.recording.recording import Recording
 __all__ = ["Hold", "thin_held_rows"]
 
 Rows = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+Values = NDArray[np.float64]
 
 _FAST = 3.0
 """Usual steps of position from one new value to the next that make a motion fast: each new reading differs then."""
 _HELD = 0.3
 """Part of the rows in fast motion that repeat the one before, above which rows are held."""
 
+
+_READINGS = ("torque", "velocity", "load_torque", "current", "motor_position")
+"""Channels that are read from the drive, maybe in other rows than the position; a command is known in each."""
 
 _LONGEST = 0.15
 """Time that a reading may last [s]: no drive answers more slowly, and a joint that is moved in steps looks alike."""
@@ -38,26 +43,52 @@ def thin_held_rows(recording: Recording) -> tuple[Recording, Hold | None]:
 
     The position tells how long a reading lasts: torque or velocity may be read more often, but without a position there
     is no motion to compare them with. At rest nothing changes either way; there rows are kept in the rhythm of the
-    motion.
+    motion. A channel whose readings come in other rows is interpolated between them: where a bus sends the torque one
+    row after the position, the torque in the position's row is nearly a whole reading old.
     """
-    new = np.concatenate([[True], np.diff(recording.position) != 0.0])
-    held = _typical_hold(recording, new)
+    position = np.asarray(recording.position)
+    held = _typical_hold(position)
     if held is None or held * recording.sample_period > _LONGEST:
         return recording, None
-    rows = np.flatnonzero(new)
-    kept: list[int] = []
     spacing = max(round(held), 1)
-    for row, following in zip(rows, [*rows[1:], len(recording)], strict=True):
+    kept = _list_readings(position, spacing)
+    read = {
+        name: _read_between(recording, recording.channels[name], kept)
+        for name in _READINGS
+        if name in recording.channels
+    }
+    return recording.rows(kept).with_channels(**read), Hold(held, len(recording) - kept.size)
+
+
+def _list_readings(values: Values, spacing: int) -> Indices:
+    """Rows in which readings of a channel came in; one that stays is read again every `spacing` rows. Shape (m,)."""
+    rows = np.flatnonzero(_find_new(values))
+    kept: list[int] = []
+    for row, following in zip(rows, [*rows[1:], values.size], strict=True):
         kept += range(int(row), int(following), spacing) if following - row > 2 * spacing else [int(row)]
-    return recording.rows(np.array(kept, dtype=np.intp)), Hold(held, len(recording) - len(kept))
+    return np.array(kept, dtype=np.intp)
 
 
-def _typical_hold(recording: Recording, new: Rows) -> float | None:
-    """Rows that a reading lasts in fast motion; None where readings do not last longer than a row."""
-    rows = np.flatnonzero(new)
+def _read_between(recording: Recording, values: Values, kept: Indices) -> Values:
+    """A channel in the rows that are kept, between its own readings where those come in others. Shape (n_kept,)."""
+    held = _typical_hold(values)
+    if held is None:
+        return np.asarray(values[kept])
+    rows = _list_readings(values, max(round(held), 1))
+    time = np.asarray(recording.time)
+    return np.asarray(np.interp(time[kept], time[rows], values[rows]))
+
+
+def _find_new(values: Values) -> Rows:
+    return np.concatenate([[True], np.diff(values) != 0.0])
+
+
+def _typical_hold(values: Values) -> float | None:
+    """Rows that a reading lasts where it changes fast; None where readings do not last longer than a row."""
+    rows = np.flatnonzero(_find_new(values))
     if rows.size < 50:
         return None
-    step = np.abs(np.diff(recording.position[rows]))
+    step = np.abs(np.diff(values[rows]))
     moving = step > 0.0
     if not moving.any():
         return None

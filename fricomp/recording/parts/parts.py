@@ -12,8 +12,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.quantum import TURN_IN_DEGREES
 from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
 from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
+from fricomp.recording.checks.torque_causes import Register, find_register, read_signed
 from fricomp.recording.clock import Clock, mend_clock
 from fricomp.recording.parts.holds import thin_held_rows
 from fricomp.recording.parts.rests import find_rests
@@ -96,9 +98,18 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     """
     changes: list[str] = []
     whole, wrap = unwrap_position(recording)
+    if wrap is not None and recording.metadata.motion == "rotary" and wrap.period == TURN_IN_DEGREES:
+        return _leave_whole(recording)  # the checks say what to write: a velocity may be in either unit
     if wrap is not None:
         unit = recording.metadata.position_unit
         changes.append(f"Position: it wraps round {wrap.times} time(s), and was unwrapped by {wrap.period:.6g} {unit}.")
+    whole, register = _read_signed_torque(whole)
+    if register is not None:
+        unit = recording.metadata.torque_unit
+        changes.append(
+            f"Torque: a signed number of {register.bits} bits that was read as an unsigned one; it was read as signed "
+            f"(signed_range = {register.span:.6g} [{unit}] in a mapping does it for good)."
+        )
     followed = follow_motion(whole)
     left_out = [_tell("rows of another publisher or outliers of position", whole, ~followed.keep)]
     jumps = np.asarray(whole.time)[followed.cuts]
@@ -144,6 +155,20 @@ def find_usable_parts(recording: Recording) -> UsableParts:
         len(recording),
         recording.duration,
     )
+
+
+def _leave_whole(recording: Recording) -> UsableParts:
+    """The recording as it is."""
+    clock = Clock(recording.sample_period, 0.0, 0.0, mended=False)
+    return UsableParts(recording, recording, (recording,), (), clock, (), len(recording), recording.duration)
+
+
+def _read_signed_torque(recording: Recording) -> tuple[Recording, Register | None]:
+    """The recording with a torque that has its signs, where the steps of the torque tell what it was stored in."""
+    register = find_register(recording)
+    if register is None or not register.sure or recording.torque.max() < -recording.torque.min():
+        return recording, None
+    return recording.with_channels(torque=read_signed(np.asarray(recording.torque), register.span)), register
 
 
 def _tell(reason: str, recording: Recording, rows: Rows) -> LeftOut:

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from fricomp.recording.checks.quantum import measure_quantum, snap_period
 from fricomp.recording.recording import Recording
 
+from .kicks import find_answered_kicks
+
 __all__ = ["Continuity", "Wrap", "find_period", "find_wild_torque", "follow_motion", "unwrap_position"]
 
 Samples = NDArray[np.float64]
@@ -143,7 +145,8 @@ def follow_motion(recording: Recording) -> Continuity:
 def find_wild_torque(recording: Recording) -> Rows:
     """Rows whose torque is far from those before and after it, which hold together. Shape (n_samples,).
 
-    A torque that jumps often, such as one that a loop commands against a coarse encoder, has no outliers.
+    A torque that jumps often, such as one that a loop commands against a coarse encoder, has no outliers. One that the
+    joint answers was there.
     """
     torque = np.asarray(recording.torque)
     if torque.size < _FEWEST_TORQUES:
@@ -158,6 +161,9 @@ def find_wild_torque(recording: Recording) -> Rows:
     wild = np.asarray((off > _WILD * np.maximum(spread, least)) & (off > _LEAST_WILD * float(np.ptp(middle))))
     if not wild.any() or np.mean(wild) > _MOST_WILD:
         return np.zeros(torque.size, dtype=bool)
+    wild &= ~find_answered_kicks(torque, wild, np.asarray(recording.position), recording.sample_period)
+    if not wild.any():
+        return wild
     rest = np.flatnonzero(~wild)  # others may have stood beside them
     wild[rest] = find_wild_torque(recording.rows(rest))
     return wild

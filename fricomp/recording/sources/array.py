@@ -16,6 +16,7 @@ from fricomp.recording.sources.mat_file import read_variables
 from fricomp.untrusted import find_size_limit, parse_json
 
 _MAT_HEADER, _MAT_COMPRESSED, _MAT_STEP = 128, 15, 2**20  # of the format: header, kind of an element; a step
+_FEWEST_ROWS = 10  # a column of fewer numbers is a fact beside the rows, such as a gain a joint
 _DAMAGED = (ValueError, AttributeError, EOFError, zlib.error)  # what numpy raises on a broken file
 
 
@@ -99,9 +100,10 @@ def _measure_mat(path: Path) -> int:
 
 
 def read_json(path: Path, source: Source) -> Columns:
-    """Read JSON: a list of rows at `source.records`, or an object of lists."""
+    """Read JSON: a list of rows at `source.records`, or where the only one is; an object of lists; or a row a line."""
+    content: Any
     try:
-        content = parse_json(path.read_bytes())
+        content = _parse_lines(path) if path.suffix.lower() in (".jsonl", ".ndjson") else parse_json(path.read_bytes())
         for key in source.records.split(".") if source.records else ():
             content = content[key]
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
@@ -111,8 +113,23 @@ def read_json(path: Path, source: Source) -> Columns:
     if isinstance(content, list):
         return columns_of_records(content)
     if isinstance(content, dict):
-        return flatten_arrays(flatten_structures(content))
+        flat = flatten_structures(content)
+        rows = [value for value in flat.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
+        columns = flatten_arrays(flat)
+        if len(rows) == 1 and all(column.size < _FEWEST_ROWS for column in columns.values()):
+            return columns_of_records(rows[0])
+        return columns
     raise RecordingError(f"{path} holds neither rows nor columns at {source.records or 'its top level'!r}")
+
+
+def _parse_lines(path: Path) -> list[Any]:
+    """The rows of a file that has a JSON object a line; an unfinished last line is the trace of a killed writer."""
+    lines = [line for line in path.read_bytes().splitlines() if line.strip()]
+    rows = [parse_json(line) for line in lines[:-1]]
+    try:
+        return [*rows, *map(parse_json, lines[-1:])]
+    except msgspec.DecodeError:
+        return rows
 
 
 def read_binary(path: Path, source: Source) -> Columns:

@@ -46,14 +46,23 @@ def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
 
 
 def flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """The entries of nested structures, named with dots."""
+    """The entries of nested structures, named with dots; signals of Simulink by their label, else by their number."""
     flat: dict[str, Any] = {}
     for name, value in content.items():
         if isinstance(value, dict):
             flat.update(flatten_structures(value, f"{prefix}{name}."))
+        elif _are_signals(value):
+            for number, signal in enumerate(value, start=1):
+                flat[f"{prefix}{name}.{signal.get('label') or number}"] = signal["values"]
         else:
             flat[f"{prefix}{name}"] = value
     return flat
+
+
+def _are_signals(value: Any) -> bool:
+    """Whether a value is what Simulink writes of several signals: structures with a label and values."""
+    some = isinstance(value, list | tuple | np.ndarray) and len(value) > 0
+    return some and all(isinstance(one, dict) and "values" in one for one in value)
 
 
 def columns_of_records(records: Iterable[Any]) -> Columns:

@@ -26,10 +26,13 @@ _SUFFIXES: dict[str, Format] = {
     ".csv": "text",
     ".txt": "text",
     ".dat": "text",
+    ".tsv": "text",
     ".mat": "mat",
     ".npz": "npz",
     ".npy": "npy",
     ".json": "json",
+    ".jsonl": "json",
+    ".ndjson": "json",
     ".bin": "binary",
     ".mcap": "mcap",
     ".db3": "rosbag2",
@@ -37,6 +40,14 @@ _SUFFIXES: dict[str, Format] = {
     ".parquet": "parquet",
     ".pq": "parquet",
 }
+_ELSEWHERE = {
+    ".xlsx": "a spreadsheet", ".xls": "a spreadsheet", ".ods": "a spreadsheet", ".h5": "HDF5", ".hdf5": "HDF5",
+    ".feather": "a data frame", ".pkl": "a pickle, which runs code", ".pickle": "a pickle, which runs code",
+    ".tdms": "a LabVIEW TDMS", ".ulg": "a PX4 log", ".mf4": "a measurement of a vehicle", ".fig": "a figure",
+}  # fmt: skip
+"""Formats that the program which writes them saves as CSV as well."""
+_TEXT_SAMPLE = 4096
+"""Bytes of a file by which text is told from anything else."""
 
 
 def read_columns(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool = False) -> Columns:
@@ -76,7 +87,30 @@ def _guess_format(path: Path) -> Format:
     if path.is_dir():
         return "rosbag2"
     if path.suffix.lower() not in _SUFFIXES:
+        if is_text(path):
+            return "text"
         raise RecordingError(
             f"{path.name}: unknown suffix; name the format in the mapping: text, {', '.join(_READERS)}"
         )
     return _SUFFIXES[path.suffix.lower()]
+
+
+def is_text(path: Path) -> bool:
+    """Whether a file is read as a table of text: its suffix is one of text, or is not known and the file holds text.
+
+    Raises:
+        RecordingError: It is of a format that is not read, but saved as CSV by the program that wrote it.
+    """
+    suffix = path.suffix.lower()
+    if suffix in _SUFFIXES:
+        return _SUFFIXES[suffix] == "text"
+    if suffix in _ELSEWHERE:
+        raise RecordingError(
+            f"{path} is {_ELSEWHERE[suffix]}, which is not read here: save it as CSV or Parquet there, or as MAT "
+            "(version 7) or NPZ, with a column each for time, position and torque"
+        )
+    if not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        start = stream.read(_TEXT_SAMPLE)
+    return b"\0" not in start and any(byte in b"0123456789" for byte in start)

@@ -9,9 +9,13 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns
+from fricomp.recording.validity import Samples
 from fricomp.untrusted import parse_json
 
 _INFO = Path("meta") / "info.json"
+_INDEX = "__index_level_"
+"""How pandas calls an index without a name."""
+_PARTS_OF_A_SECOND = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _LEVELS = 4
 """Folders above an episode in which its data set is looked for."""
 
@@ -37,8 +41,23 @@ def read_table(path: Path, source: Source) -> Columns:
     named = _entry_names(path)
     columns: Columns = {}
     for name in table.column_names:
-        columns.update(_columns_of(name, table.column(name).to_pylist(), named.get(name, [])))
+        column, stamps = table.column(name), _read_stamps(table.column(name))
+        if stamps is not None:
+            columns["time" if name.startswith(_INDEX) and "time" not in table.column_names else name] = stamps
+        else:
+            columns.update(_columns_of(name, column.to_pylist(), named.get(name, [])))
     return columns
+
+
+def _read_stamps(column: Any) -> Samples | None:
+    """Dates as seconds since 1970, lengths and times of day as seconds [s]; None of a column of anything else."""
+    from pyarrow import types
+
+    if not (types.is_timestamp(column.type) or types.is_duration(column.type) or types.is_time(column.type)):
+        return None
+    whole = "int32" if types.is_time32(column.type) else "int64"
+    counts = column.cast(whole).to_numpy(zero_copy_only=False).astype(np.float64)
+    return np.asarray(counts * _PARTS_OF_A_SECOND[column.type.unit])
 
 
 def _columns_of(name: str, values: list[Any], entries: list[str]) -> Columns:

@@ -1,9 +1,9 @@
 """Text tables: comma, tab or space separated, with or without a header line."""
 
 import codecs
+import csv
 import re
-from collections.abc import Collection
-from datetime import UTC, datetime
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,8 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
 from fricomp.recording.sources.columns import Columns
+from fricomp.recording.sources.text_layout import is_comment, parse_number, split_cells
+from fricomp.untrusted import find_size_limit
 
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _SAMPLE = 2**20
@@ -31,22 +33,53 @@ def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_
         RecordingError: A wanted cell is missing or no number, or a column is asked for by a name that no header gives.
     """
     _refuse_names(path, source, keys)
-    lines = path.read_text(encoding=find_encoding(path), errors="replace").splitlines()[source.skip_lines :]
-    separator = source.delimiter or None
-    decimal = source.decimal or ("." if separator == "," else ",")
-    header = [cell.strip().strip('"') for cell in lines.pop(0).split(separator)] if source.header and lines else []
+    lines = read_lines(path)[source.skip_lines :]
+    decimal = source.decimal or ("." if source.delimiter == "," else ",")
+    header = split_cells(lines.pop(0), source.delimiter) if source.header and lines else []
     if len(header) == 1 and any(mark in header[0] for mark in ";\t") and not set(header) & set(keys):
         raise RecordingError(f"{path}: the header {header[0][:60]!r} is one name; {_hint(header, 0)}")
-    first_line = source.skip_lines + bool(source.header) + 1
-    rows = [(number, line.split(separator)) for number, line in enumerate(lines, first_line) if line.strip()]
+    rows = cut_rows(path, lines, source.delimiter, source.skip_lines + bool(source.header) + 1)
     if not rows:
         raise RecordingError(f"{path} holds no rows")
     indices = {key: index for key in keys if (index := _find_index(key, header)) is not None}
     if skip_bad_rows:
-        return {key: np.array([_number_or_nan(cells, k, decimal) for _, cells in rows]) for key, k in indices.items()}
+        return {key: np.array([number_or_nan(cells, k, decimal) for _, cells in rows]) for key, k in indices.items()}
     return {key: _parse_column(rows, k, key, path, decimal) for key, k in indices.items()} | _names_only(
         header, indices
     )
+
+
+def read_lines(path: Path) -> list[str]:
+    """The lines of a text file, whatever its encoding.
+
+    Raises:
+        RecordingError: It is no text, or larger than any log.
+    """
+    if path.stat().st_size > find_size_limit(path):
+        raise RecordingError(f"{path} is too large for a log of text: cut it, or write it as Parquet")
+    return path.read_text(encoding=find_encoding(path), errors="replace").splitlines()
+
+
+def cut_rows(path: Path, lines: Sequence[str], delimiter: str, first: int) -> list[tuple[int, list[str]]]:
+    """Cells of the lines that are neither empty nor comments, each with the number of its line.
+
+    Args:
+        path: Of the file, for messages.
+        lines: Of a text.
+        delimiter: Between cells; empty for white space.
+        first: Number of the first of these lines.
+
+    Raises:
+        RecordingError: A cell never ends.
+    """
+    try:
+        return [
+            (number, split_cells(line, delimiter))
+            for number, line in enumerate(lines, first)
+            if line.strip() and not is_comment(line)
+        ]
+    except csv.Error as error:
+        raise RecordingError(f"{path} is no table of text: {error}") from error
 
 
 def find_encoding(path: Path) -> str:
@@ -98,7 +131,7 @@ def _parse_column(
         return np.array([parse_number(cells[index], decimal) for _, cells in rows])
     except (ValueError, IndexError):
         for number, cells in rows:
-            if not np.isfinite(_number_or_nan(cells, index, decimal)):
+            if not np.isfinite(number_or_nan(cells, index, decimal)):
                 what = f"{cells[index].strip()[:40]!r} is no number" if index < len(cells) else "the cell is missing"
                 raise RecordingError(f"{path}, line {number}, column {key}: {what}; {_hint(cells, index)}") from None
         raise
@@ -115,23 +148,8 @@ def _hint(cells: list[str], index: int) -> str:
     return "set skip_bad_rows, or header, delimiter, decimal and skip_lines in the mapping"
 
 
-def parse_number(cell: str, decimal: str) -> float:
-    """A number, also with a decimal comma; of a date and time by ISO 8601 the seconds since 1970 [s].
-
-    Raises:
-        ValueError: It is none.
-    """
-    text = cell.strip().strip('"')
-    if decimal == "," and _DECIMAL_COMMA.fullmatch(text):
-        text = text.replace(",", ".")
-    try:
-        return float(text)
-    except ValueError:
-        stamp = datetime.fromisoformat(text)
-        return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()
-
-
-def _number_or_nan(cells: list[str], index: int, decimal: str) -> float:
+def number_or_nan(cells: Sequence[str], index: int, decimal: str) -> float:
+    """The number in a cell; NaN where it is none or missing."""
     try:
         return parse_number(cells[index], decimal)
     except (ValueError, IndexError):

@@ -80,9 +80,7 @@ def judge_log(log: Recording, flaws: tuple[str, ...]) -> tuple[Outcome, str]:
     doubt = find_doubt_in_status(found.friction.status, found.friction.message)
     if doubt is not None:
         return "refused", doubt
-    wrong = _list_wrong(found)
-    if set(flaws) & set(NAMED):
-        return "wrong", f"identified in spite of {', '.join(sorted(set(flaws) & set(NAMED)))}"
+    wrong = _list_wrong(found)  # a flaw that is mended is as good as one that is named
     return ("wrong", "; ".join(wrong)) if wrong else ("right", "")
 
 

@@ -9,6 +9,7 @@ from fricomp.errors import DiagnosisError
 
 from .effect import Effect
 from .effects import EFFECTS, find_effect
+from .forms import FORMS
 from .motion import MOTIONS
 
 __all__ = ["Case", "choose_cases", "list_cases"]
@@ -65,8 +66,10 @@ def list_cases(*, quick: bool = False) -> list[Case]:
     ]
     # Each effect has a seed of its own, so that no two are recorded on one motion.
     seeds = {name: 10 * number for number, name in enumerate(EFFECTS) if name != "nothing"}
+    forms = {form.name for form in FORMS}  # on the motion that shows most, one diagnosis each
     for name, seed in seeds.items():
-        cases += [Case(name, motion, seed + k, True, duration) for k, motion in enumerate(MOTIONS)]
+        motions = ("rich",) if name in forms else MOTIONS
+        cases += [Case(name, motion, seed + k, True, duration) for k, motion in enumerate(motions)]
     cases += [Case(name, "rich", seeds[name] + 2, False, duration) for name in _WITHOUT_VELOCITY]
     return cases
 

@@ -26,6 +26,7 @@ class Effect:
         how: What MuJoCo does.
         build: The joint for a motion.
         right: Names that are right besides its own.
+        form_of: Effect of the catalogue of which it is another form; empty where it is none.
     """
 
     name: str
@@ -33,11 +34,17 @@ class Effect:
     how: str
     build: Callable[[Motion], Hidden]
     right: tuple[str, ...] = ()
+    form_of: str = ""
+
+    @property
+    def called(self) -> str:
+        """Its name in the catalogue."""
+        return self.form_of or self.name
 
     @property
     def names(self) -> frozenset[str]:
         """Names that a diagnosis may give."""
-        own = {self.name} if self.group not in ("nothing", "outside") else set()
+        own = {self.called} if self.group not in ("nothing", "outside") else set()
         return frozenset({*own, *self.right})
 
 

@@ -6,6 +6,7 @@ from fricomp.errors import DiagnosisError
 
 from .effect import Effect, always
 from .flaws import FLAWS
+from .forms import FORMS
 from .hidden import Hidden
 from .outside import OUTSIDE
 from .physics import PHYSICS
@@ -14,7 +15,7 @@ __all__ = ["EFFECTS", "find_effect"]
 
 _NOTHING = Effect("nothing", "nothing", "the plain joint", always(Hidden()))
 
-EFFECTS = {effect.name: effect for effect in (_NOTHING, *PHYSICS, *FLAWS, *OUTSIDE)}
+EFFECTS = {effect.name: effect for effect in (_NOTHING, *PHYSICS, *FLAWS, *OUTSIDE, *FORMS)}
 """Every effect by its name."""
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .joint import COULOMB, STATIC, STRIBECK, VISCOUS
 
-__all__ = ["Acting", "Law", "State", "ordinary"]
+__all__ = ["Acting", "Law", "State", "dry_level", "ordinary"]
 
 _REST = 1e-3  # [rad/s] below which a joint rests
 
@@ -21,7 +21,7 @@ class State(NamedTuple):
         step: Length of the step [s].
         position: [rad]
         velocity: Of the joint that bears the friction [rad/s].
-        load: What the motor carries, in size [N·m].
+        load: What the motor carries [N·m].
         command: Torque that the loop asks for [N·m].
         temperature: Of the joint, over that of its surroundings [K].
     """
@@ -59,14 +59,14 @@ def _falling(velocity: float) -> float:
     return exp(-((velocity / STRIBECK) ** 2))
 
 
-def _stribeck(velocity: float) -> float:
+def dry_level(velocity: float) -> float:
     """Friction level [N·m]."""
     return COULOMB + (STATIC - COULOMB) * _falling(velocity)
 
 
 def ordinary(state: State) -> Acting:
     """A Stribeck curve."""
-    return Acting(_stribeck(state.velocity))
+    return Acting(dry_level(state.velocity))
 
 
 def level(state: State) -> Acting:
@@ -78,20 +78,20 @@ def by_load(coulomb: float = 0.0, stribeck: float = 0.0, quadratic: float = 0.0)
     """Friction grows with the load: [1], [1] in slow motion, [1/(N·m)]."""
 
     def law(s: State) -> Acting:
-        extra = (coulomb + stribeck * _falling(s.velocity)) * s.load + quadratic * s.load**2
-        return Acting(_stribeck(s.velocity) + extra)
+        extra = (coulomb + stribeck * _falling(s.velocity)) * abs(s.load) + quadratic * s.load**2
+        return Acting(dry_level(s.velocity) + extra)
 
     return law
 
 
 def waving_level(amplitude: float, order: float, phase: float) -> Law:
     """Friction waves with the angle: A cos(n q + phi) [N·m]."""
-    return lambda s: Acting(_stribeck(s.velocity) + amplitude * cos(order * s.position + phase))
+    return lambda s: Acting(dry_level(s.velocity) + amplitude * cos(order * s.position + phase))
 
 
 def uneven(share: float) -> Law:
     """Dry friction is this share larger forwards, and smaller backwards."""
-    return lambda s: Acting(_stribeck(s.velocity) * (1.0 + copysign(share, s.velocity)))
+    return lambda s: Acting(dry_level(s.velocity) * (1.0 + copysign(share, s.velocity)))
 
 
 def other_shape(exponent: float) -> Law:
@@ -101,37 +101,37 @@ def other_shape(exponent: float) -> Law:
 
 def power_law(coefficient: float, exponent: float) -> Law:
     """In place of damping c |v|^n; below 1 mrad/s in proportion to the speed."""
-    return lambda s: Acting(_stribeck(s.velocity), coefficient * max(abs(s.velocity), _REST) ** (exponent - 1.0))
+    return lambda s: Acting(dry_level(s.velocity), coefficient * max(abs(s.velocity), _REST) ** (exponent - 1.0))
 
 
 def thinning(per_kelvin: float) -> Law:
     """Damping falls with the temperature."""
-    return lambda s: Acting(_stribeck(s.velocity), VISCOUS * exp(-per_kelvin * s.temperature))
+    return lambda s: Acting(dry_level(s.velocity), VISCOUS * exp(-per_kelvin * s.temperature))
 
 
 def constant(torque: float) -> Law:
     """A constant torque [N·m]."""
-    return lambda s: Acting(_stribeck(s.velocity), torque=torque)
+    return lambda s: Acting(dry_level(s.velocity), torque=torque)
 
 
 def ripple(amplitude: float, order: float, phase: float) -> Law:
     """A torque A sin(n q + phi) against the motion's positive direction [N·m]."""
-    return lambda s: Acting(_stribeck(s.velocity), torque=-amplitude * sin(order * s.position + phase))
+    return lambda s: Acting(dry_level(s.velocity), torque=-amplitude * sin(order * s.position + phase))
 
 
 def rippling_motor(share: float, order: float, phase: float) -> Law:
     """The motor gives more of its command at some angles than at others: by a share A of sin(n q + phi) [1]."""
-    return lambda s: Acting(_stribeck(s.velocity), gain=1.0 + share * sin(order * s.position + phase))
+    return lambda s: Acting(dry_level(s.velocity), gain=1.0 + share * sin(order * s.position + phase))
 
 
 def pushes(windows: Sequence[tuple[float, float, float]]) -> Law:
     """Start [s], end [s] and torque [N·m] of pushes from outside."""
-    return lambda s: Acting(_stribeck(s.velocity), torque=sum(t for a, b, t in windows if a <= s.time < b))
+    return lambda s: Acting(dry_level(s.velocity), torque=sum(t for a, b, t in windows if a <= s.time < b))
 
 
 def sagging(per_power: float) -> Law:
     """The motor is weaker by this share for each watt that it gives [1/W]."""
-    return lambda s: Acting(_stribeck(s.velocity), gain=1.0 - per_power * abs(s.command * s.velocity))
+    return lambda s: Acting(dry_level(s.velocity), gain=1.0 - per_power * abs(s.command * s.velocity))
 
 
 def eddy_brake(strongest: float, velocity: float) -> Law:
@@ -139,14 +139,14 @@ def eddy_brake(strongest: float, velocity: float) -> Law:
 
     def law(s: State) -> Acting:
         ratio = s.velocity / velocity
-        return Acting(_stribeck(s.velocity), torque=-2.0 * strongest * ratio / (1.0 + ratio**2))
+        return Acting(dry_level(s.velocity), torque=-2.0 * strongest * ratio / (1.0 + ratio**2))
 
     return law
 
 
 def starvation(share: float, time: float) -> Law:
     """Dry friction is this share larger at the start, and runs in [s]."""
-    return lambda s: Acting(_stribeck(s.velocity) * (1.0 + share * exp(-s.time / time)))
+    return lambda s: Acting(dry_level(s.velocity) * (1.0 + share * exp(-s.time / time)))
 
 
 class LateFriction:
@@ -157,7 +157,7 @@ class LateFriction:
 
     def __call__(self, s: State) -> Acting:
         self._velocity += (s.velocity - self._velocity) * s.step / self._lag
-        return Acting(_stribeck(self._velocity))
+        return Acting(dry_level(self._velocity))
 
 
 class Dwell:
@@ -171,7 +171,7 @@ class Dwell:
             self._grown += (1.0 - self._grown) * s.step / self._time
         else:
             self._grown *= exp(-abs(s.velocity) * s.step / self._travel)
-        return Acting(_stribeck(s.velocity) + self._rise * self._grown)
+        return Acting(dry_level(s.velocity) + self._rise * self._grown)
 
 
 class HeatedMotor:
@@ -182,7 +182,7 @@ class HeatedMotor:
 
     def __call__(self, s: State) -> Acting:
         self._heat += (s.command**2 - self._heat) * s.step / self._time
-        return Acting(_stribeck(s.velocity), gain=1.0 - self._loss * self._heat)
+        return Acting(dry_level(s.velocity), gain=1.0 - self._loss * self._heat)
 
 
 class MemorySpring:
@@ -193,4 +193,4 @@ class MemorySpring:
 
     def __call__(self, s: State) -> Acting:
         self._centre += (s.position - self._centre) * s.step / self._time
-        return Acting(_stribeck(s.velocity), torque=-self._stiffness * (s.position - self._centre))
+        return Acting(dry_level(s.velocity), torque=-self._stiffness * (s.position - self._centre))

@@ -12,7 +12,7 @@ from .hidden import Hidden
 from .joint import ARMATURE, COULOMB, INERTIA, JOINT, LENGTH, LINK, MASS, STICKING, TURNING, VISCOUS, JointParts
 from .motion import PERIOD, Motion
 
-__all__ = ["PHYSICS"]
+__all__ = ["PHYSICS", "hang_behind"]
 
 _GRAVITY = 9.81  # [m/s²]
 _LOAD = MASS * LENGTH**2 + TURNING  # [kg·m²] of the link about its axis
@@ -27,7 +27,7 @@ _WAVE, _COG = (0.24, 6.0, 0.4), (0.25, 18.0, 1.0)  # [N·m], waves a turn, phase
 _RIPPLE = (0.06, 17.0, 0.7)  # [1], waves a turn, phase
 
 
-def _behind(joint: str) -> JointParts:
+def hang_behind(joint: str) -> JointParts:
     """The link behind a second hinge, which turns against the first."""
     body = f'<body name="link"><joint name="gear" type="hinge" axis="0 1 0" {joint}/>{LINK}</body>'
     return JointParts(link=_MOTOR_SIDE + body)
@@ -157,14 +157,14 @@ PHYSICS = (
         "joint_elasticity",
         "physics",
         "the link hangs on a second hinge with `stiffness` 400 and `damping` 1.5",
-        built_of(_behind(f'stiffness="{_STIFFNESS}" damping="{_DAMPING}"'), _ELASTIC),
+        built_of(hang_behind(f'stiffness="{_STIFFNESS}" damping="{_DAMPING}"'), _ELASTIC),
     ),
     Effect(
         "backlash",
         "physics",
         "the link hangs on a second hinge that is free within a `range` of 8 mrad",
         built_of(
-            _behind(f'range="-{_GAP / 2} {_GAP / 2}" limited="true" damping="0.1" solreflimit="-20000 -100"'),
+            hang_behind(f'range="-{_GAP / 2} {_GAP / 2}" limited="true" damping="0.1" solreflimit="-20000 -100"'),
             {"gap": _GAP, "load_share": _ELASTIC["load_share"]},
         ),
     ),

@@ -90,7 +90,7 @@ class _Plant:
         model, data, dof = self._model, self._data, self._dof
         data.ctrl[0] = command
         for _ in range(_SUBSTEPS):
-            load, velocity = abs(float(data.qfrc_bias[dof])), float(data.qvel[self._bearer])
+            load, velocity = float(data.qfrc_bias[dof]), float(data.qvel[self._bearer])
             state = State(data.time, self._step, self.position, velocity, load, command, temperature)
             acting = self._law(state)
             model.dof_frictionloss[self._bearer] = acting.level

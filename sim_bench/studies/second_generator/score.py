@@ -146,7 +146,7 @@ def score_case(case: Case, truth: dict[str, float], blind: BlindAnswer) -> Score
 
 def _compare_values(case: Case, truth: dict[str, float], said: dict[str, Any]) -> tuple[KnownInterval, ...]:
     """Parameters of the effects that are named."""
-    known = {case.effect: truth, _LAG: {"time_constant": FILTER_LAG} if case.velocity else {}}
+    known = {case.truth.called: truth, _LAG: {"time_constant": FILTER_LAG} if case.velocity else {}}
     return tuple(
         value
         for each in said["effects"]

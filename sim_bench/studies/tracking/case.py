@@ -8,7 +8,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from fricomp.control import Compensator, Controller, ControlLoop, LoopLog, ReferenceState, SineReference
+from fricomp.control import Compensator, Controller, ControlLoop, ReferenceState, SineReference
+from fricomp.control.loop.loop_log import LoopLog
 from fricomp.joint import JointFeedback
 from fricomp.laws import FloatArray
 

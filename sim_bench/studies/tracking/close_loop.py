@@ -22,7 +22,8 @@ from fricomp.calibration.sweep import (
     SweepSettings,
     calibrate,
 )
-from fricomp.control import Compensator, ControlLoop, LoopLog, ReferenceState, SineReference
+from fricomp.control import Compensator, ControlLoop, ReferenceState, SineReference
+from fricomp.control.loop.loop_log import LoopLog
 from fricomp.control.loop.position_loop import Reference
 from fricomp.diagnosis import Diagnosis, diagnose, save_diagnosis
 from fricomp.errors import DiagnosisError

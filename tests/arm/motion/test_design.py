@@ -10,7 +10,7 @@ import pytest
 from fricomp.arm.motion import FourierMotion, MotionLimits, design_excitation
 from fricomp.arm.motion.design import _draw, _fit, _Judge
 from fricomp.arm.motion.limits import ContactCheck
-from fricomp.arm.simulated_arm import read_arm
+from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import ParameterError
 
 from ..moving_arm import JOINTS, write_arm

@@ -16,7 +16,7 @@ from fricomp.calibration.sweep.feasibility import check_feasible
 from fricomp.calibration.sweep.motion.motion import MotionRunner
 from fricomp.calibration.sweep.motion.velocity_loop import DriveLoop
 from fricomp.errors import AdapterError, ParameterError, RecordingError, SweepAborted
-from fricomp.joint import JointCommand
+from fricomp.joint import JointCommand, JointFeedback
 from fricomp.recording import RecordingWriter
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter, two_link_arm
 
@@ -232,3 +232,12 @@ def test_an_arm_of_unknown_inertia_is_not_left_limp_by_the_sign_check(folder: Ru
             assert writer.blocks == ()
         known = replace(context, settings=replace(request.settings, inertia=0.1))
         known.make_check_loop(PERIOD, [0.0, 0.0])
+
+
+def test_the_push_of_the_sign_check_is_no_feed_forward_of_the_sweep() -> None:
+    out = JointCommand(2)
+    out.torque[:] = [0.7, 0.1]
+    loop = DriveLoop(2, PERIOD)
+    loop.command(0, 0.5, JointFeedback(2), out)
+    assert out.torque == [0.0, 0.0]
+    assert out.velocity == [0.5, 0.0]

@@ -16,12 +16,12 @@ from fricomp.control import (
     Controller,
     ControlLoop,
     JointLimits,
-    LoopLog,
     PositionController,
     ReferenceState,
     SafetyGate,
     SineReference,
 )
+from fricomp.control.loop.loop_log import LoopLog
 from fricomp.control.loop.position_loop import Reference
 from fricomp.errors import AdapterError, AdapterTimeout, ParameterError, SafetyTrip
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, JointCommand, JointFeedback

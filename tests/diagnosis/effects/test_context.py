@@ -10,11 +10,12 @@ import pytest
 
 from fricomp.diagnosis.effects import Context
 from fricomp.diagnosis.effects.context import _correct_position, remove_noise
-from fricomp.diagnosis.inputs.track import Track, measure_torque_noise, remove_spikes
+from fricomp.diagnosis.inputs.spikes import take_out_spikes
+from fricomp.diagnosis.inputs.track import Track, measure_torque_noise
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observation, Plant
 from fricomp.diagnosis.search.generic import measure_time_since_reversal
-from fricomp.diagnosis.search.refit import _rebuild_contexts
+from fricomp.diagnosis.search.refit import rebuild_contexts
 from fricomp.recording import Recording
 from fricomp.recording.metadata import TorqueKind
 
@@ -54,7 +55,7 @@ def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() 
     structure = SimpleNamespace(observe=lambda *_: seen, move_contexts=lambda _: (before,))
     explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
     baseline = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
-    (after,) = _rebuild_contexts(cast(Any, baseline), cast(Any, explanation))
+    (after,) = rebuild_contexts(cast(Any, baseline), cast(Any, explanation))
     assert np.std((after.position - there)[200:-200]) < 0.1 * step
 
 
@@ -76,7 +77,7 @@ def test_a_lone_spike_is_taken_out_and_a_step_is_kept() -> None:
     step = np.where(np.arange(200) < 100, 0.0, 2.0)
     spiked = step.copy()
     spiked[50] = 30.0
-    assert np.array_equal(remove_spikes(spiked, 0.1), step)
+    assert np.array_equal(take_out_spikes(spiked, 0.1), step)
 
 
 def test_time_since_reversal_starts_anew_at_each_reversal() -> None:
@@ -88,10 +89,20 @@ def test_time_since_reversal_starts_anew_at_each_reversal() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "period", "usual"),
-    [("commanded", 1e-3, (-5e-4, 2.5e-4)), ("measured", 1e-3, (0.0, 2.5e-4)), ("commanded", 4e-3, (-2e-3, 1e-3))],
+    [
+        ("commanded", 1e-3, (-5e-4, 2.5e-4)),
+        ("measured", 1e-3, (0.0, 2.5e-4)),
+        ("commanded", 4e-3, (-2e-3, 1e-3)),
+        ("commanded", 1e-2, (-5e-3, 2.5e-3)),
+    ],
 )
 def test_a_command_acts_half_a_sample_late(kind: TorqueKind, period: float, usual: tuple[float, float]) -> None:
+    """And the base has room for that, though slow recordings are simulated on a finer grid."""
     time = np.arange(4000, dtype=np.float64) * np.float64(period)
     recording = Recording(time=time, position=np.sin(time), torque=np.cos(time))
     (track,) = build_tracks([recording.with_metadata(torque_kind=kind)])
     assert track.usual_delay == pytest.approx(usual)
+    earliest, latest = track.delays
+    assert earliest <= usual[0] - 0.5 * usual[1] or period < 2e-3
+    assert earliest <= -0.499 * period
+    assert latest >= 0.499 * period

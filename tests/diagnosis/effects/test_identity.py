@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.effects import EFFECTS, Context
-from fricomp.diagnosis.effects.identity import IDENTITIES, find_identity
+from fricomp.diagnosis.effects.identity import IDENTITIES, find_identity, find_twin
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.observer import Plant
 
@@ -101,3 +101,22 @@ def test_twice_the_coefficient_turns_one_into_the_other() -> None:
 def test_only_the_form_that_a_driving_load_makes_is_the_same(split: float, same: bool) -> None:
     values = {"load_coulomb": {"coefficient": 0.1}, "load_quadratic": {"coefficient": 0.01, "split": split}}
     assert (find_identity(values) is not None) == same
+
+
+def test_a_twin_is_the_same_torque_with_more_gravity() -> None:
+    at = replace(_generic_points(), usual_load=6.0)
+    own = {"coefficient": 0.15, "split": 1.0, "inertia_share": 0.0}
+    twin = find_twin({"load_quadratic": own}, at.usual_load)
+    assert twin is not None
+    assert twin.values["inertia_share"] == 0.0
+    driving = EFFECTS["load_quadratic"].compute_contribution(at, own).level * np.sign(at.velocity) + at.load_torque
+    more = replace(at, load_torque=twin.gravity * at.load_torque)
+    level = EFFECTS["load_coulomb"].compute_contribution(more, twin.values).level
+    assert level * np.sign(at.velocity) + more.load_torque == pytest.approx(driving)
+
+
+def test_what_curves_with_the_load_or_falls_with_it_has_no_twin() -> None:
+    curved = {"coefficient": 0.15, "split": 0.0, "inertia_share": 0.0}
+    assert find_twin({"load_quadratic": curved}, 6.0) is None
+    assert find_twin({"load_quadratic": curved | {"split": 1.0, "coefficient": -0.1}}, 6.0) is None
+    assert find_twin({"load_coulomb": {"coefficient": 0.1, "inertia_share": 0.0}}, 6.0) is None

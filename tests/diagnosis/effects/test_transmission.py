@@ -55,6 +55,19 @@ def test_a_gap_changes_no_momentum_over_a_period(context: Context) -> None:
     assert abs(torque[2000 : 2000 + 10 * period].mean()) < 0.01 * np.abs(torque).max()
 
 
+@pytest.mark.parametrize(("rate", "damping"), [(300.0, 0.8), (900.0, 0.2)])
+def test_a_gap_is_that_of_its_own_contact(rate: float, damping: float, context: Context) -> None:
+    """Teeth of other joints are softer or ring: what touches is a part of the gap's law, within the bounds of it."""
+    gap, logs = EFFECTS["backlash"], {"gap": 4e-3, "contact_rate": rate, "contact_damping": damping}
+    values = {name: float(np.log(one)) for name, one in logs.items()} | {"load_share": 0.6}
+    bounds = {one.name: (one.lower, one.upper) for one in gap.list_parameters([context])}
+    assert all(bounds[name][0] < value < bounds[name][1] for name, value in values.items())
+    inertia = 0.6 * context.plant.inertia
+    expected = compute_carried(context, Transmission(inertia, inertia * rate**2, damping, 4e-3))
+    np.testing.assert_allclose(gap.compute_contribution(context, values).additive, expected, rtol=1e-9, atol=1e-9)
+    assert float(np.std(expected)) > 0.01
+
+
 def test_uneven_running_is_that_of_a_load_that_leads(context: Context) -> None:
     plant = replace(context.plant, gravity=(1.0, 3.0))
     here = replace(context, plant=plant)

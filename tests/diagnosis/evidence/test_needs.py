@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from fricomp.diagnosis.effects.effect import compute_lowest_order
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
-from fricomp.diagnosis.evidence.needs import list_objections
+from fricomp.diagnosis.evidence.needs import find_one_way, list_objections
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
 
 from ..known import known_baseline, known_fit
@@ -34,6 +36,21 @@ def test_both_parts_of_a_wave_are_judged_together() -> None:
     assert list_objections(_refitted("cogging", 0.1, sine=0.15, cosine=0.1, order=40.0))
 
 
+def test_a_ripple_whose_period_may_be_longer_than_the_range_is_no_name() -> None:
+    lowest = compute_lowest_order(known_baseline().structure.contexts)
+    sure, open_ = (_refitted("cogging", 0.05, sine=1.0, cosine=1.0, order=lowest + more) for more in (0.2, 0.08))
+    assert list_objections(sure) == {}
+    assert "no period" in list_objections(open_)["cogging"]
+
+
+@pytest.mark.parametrize(("back", "refused"), [(0.0, {"supply_sag", "load_coulomb"}), (0.3, set())])
+def test_a_motion_in_one_direction_shows_what_depends_on_the_angle_alone(back: float, refused: set[str]) -> None:
+    (context,) = known_baseline().structure.contexts
+    velocity = np.where(np.arange(context.velocity.size) < back * context.velocity.size, -1.0, 1.0)
+    one_way = find_one_way(("cogging", "supply_sag", "load_coulomb"), [velocity])
+    assert set(one_way) == refused
+
+
 def test_an_exponent_near_that_of_the_base_is_no_name() -> None:
     assert list_objections(_refitted("stribeck_shape", 0.2, stribeck_exponent=2.3))
     assert list_objections(_refitted("stribeck_shape", 0.05, stribeck_exponent=1.0)) == {}
@@ -44,3 +61,38 @@ def test_a_number_at_the_end_of_the_search_is_no_name() -> None:
     assert "end of what is looked for" in at_end["stribeck_shape"]
     softest = list_objections(_refitted("presliding_hysteresis", 0.01, breakaway_distance=np.log(5e-2)))
     assert "breakaway distance" in softest["presliding_hysteresis"]
+
+
+def test_the_interval_of_a_number_is_that_beside_those_that_end_where_their_domain_does() -> None:
+    free, ended = (_tied("load_coulomb", coefficient=0.1, inertia_share=share) for share in (0.5, 1.0))
+    assert free.list_parameters("load_coulomb", "", "")["coefficient"].ci95[0] < 0.0
+    low, high = ended.list_parameters("load_coulomb", "", "")["coefficient"].ci95
+    assert 0.05 < low < 0.1 < high < 0.15
+    assert list_objections(ended) == {}
+
+
+def test_a_size_that_hangs_together_with_a_time_is_judged_at_that_time() -> None:
+    """Without heating its time constant means nothing, however open it leaves the size in the long run."""
+    heating = _tied("torque_constant_heating", loss=0.15, time_constant=5.8)
+    assert heating.list_parameters("torque_constant_heating", "", "")["loss"].ci95[0] < 0.0
+    assert list_objections(heating) == {}
+    assert list_objections(_tied("torque_constant_heating", loss=0.008, time_constant=5.8))
+
+
+def test_no_interval_of_the_base_holds_friction_that_drives() -> None:
+    found = _refitted("load_coulomb", 0.01, coefficient=0.1)
+    wide = replace(found, covariance=np.eye(found.fit.theta.size))
+    base = wide.list_base("N·m", "rad")
+    assert all(base[f"{side}.{one}"].ci95[0] >= 0.0 for side in ("forward", "reverse") for one in _FRICTION)
+    assert base["offset"].ci95[0] < 0.0
+
+
+_FRICTION = ("coulomb_torque", "viscous_coefficient")
+
+
+def _tied(name: str, **values: float) -> RefittedJoint:
+    """A base with one effect of two numbers that hang together: neither is known without the other."""
+    found = _refitted(name, 0.0, **values)
+    tied = np.zeros_like(found.covariance)
+    tied[-2:, -2:] = [[0.1**2, 0.0999 * 0.1], [0.0999 * 0.1, 0.1**2]]
+    return replace(found, covariance=tied)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.effects.structure import Candidate
+from fricomp.diagnosis.effects.structure import Candidate, Structure
 from fricomp.diagnosis.evidence.overtone import find_overtones, is_explained_by_overtone
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
@@ -87,7 +87,8 @@ def test_an_overtone_is_told_from_a_ripple_of_another_form(overtone: bool) -> No
         Candidate("cogging", (("order", n),)),
         Candidate("kinematic_error", (("order", 2 * n), ("load_share", 0.6))),
     )
-    tried = fit_from(baseline, [(c, baseline.fit.theta) for c in ((wave,), (wave, other))], baseline.box)
+    structures = [Structure(baseline.structure.contexts, effects) for effects in ((wave,), (wave, other))]
+    tried = fit_from(baseline, [(one, baseline.fit.theta) for one in structures], baseline.box)
     found = is_explained_by_overtone(baseline, tried, tried[1], "kinematic_error", "cogging", 2 * n)
     assert found == overtone
 

@@ -19,7 +19,7 @@ _COULOMB = [BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "
 
 
 def _model() -> BaseModel:
-    return BaseModel.build_around(_PLANT, dt=1e-3, top_speed=1.5, rotary=True)
+    return BaseModel.build_around(_PLANT, delays=(-5e-4, 5e-4), top_speed=1.5, torques=(2.0, 6.0), rotary=True)
 
 
 def test_a_plant_survives_its_vector() -> None:
@@ -62,12 +62,23 @@ def test_the_start_lies_inside() -> None:
     np.testing.assert_array_equal(np.flatnonzero(model.box.lower >= model.box.upper), held)
 
 
+@pytest.mark.parametrize(("coulomb", "bound"), [(1e-3, (0.5, 6.0)), (40.0, (6.0, 6.0))])
+def test_the_domain_of_friction_is_a_matter_of_the_torque(coulomb: float, bound: tuple[float, float]) -> None:
+    """A stop bends the first estimate to hardly any friction, or to more than the drive has ever had."""
+    bent = replace(_PLANT, forward=(coulomb, coulomb, 0.05, 1.0), reverse=(coulomb, coulomb, 0.05, 1.0))
+    model = BaseModel.build_around(bent, delays=(-5e-4, 5e-4), top_speed=1.5, torques=(2.0, 6.0), rotary=True)
+    for index in _COULOMB:
+        assert bound[0] <= model.box.upper[index] <= bound[1]
+        assert model.start[index] <= model.box.upper[index]
+
+
 def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
     inertia, level = 1.4, 5.0  # a heavy joint: the observer holds its model with 1.4e4 N·m/rad
     model = BaseModel.build_around(
         Plant(inertia, (0.0, 9.0), 0.0, (level, 7.5, 0.04, 3.0), (level, 7.5, 0.04, 3.0), 1e5),
-        dt=1e-3,
+        delays=(-5e-4, 5e-4),
         top_speed=1.5,
+        torques=(10.0, 30.0),
         rotary=True,
     )
     breakaway = float(np.exp(model.box.lower[BASE_NAMES.index("log_breakaway")]))

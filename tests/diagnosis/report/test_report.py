@@ -275,6 +275,14 @@ def test_a_wide_band_at_reversals_leaves_the_rows_to_be_seen() -> None:
     assert residual.y_range[1] == pytest.approx(1.1 * np.abs(series.before).max())
 
 
+def test_a_part_whose_noise_is_unknown_is_drawn_without_a_warning() -> None:
+    series = _series()
+    unknown = draw_time_chart(replace(series, spread=np.full_like(series.spread, np.nan)), Units(), 1, ("base model",))
+    reach = unknown.panels[0].y_range
+    assert reach is not None
+    assert reach[1] == pytest.approx(1.1 * np.abs(series.before).max())
+
+
 @pytest.mark.parametrize(
     ("value", "interval", "text"),
     [
@@ -290,6 +298,7 @@ def test_numbers_have_the_digits_that_their_interval_leaves(
     value: float, interval: tuple[float, float], text: str
 ) -> None:
     assert format_quantity(Quantity(value, "N·m", interval)) == text
+    assert "not determined" in format_quantity(Quantity(value, "N·m", interval), determined=False)
 
 
 def test_the_folder_holds_models_that_read_back_and_a_motion_that_can_be_recorded(

@@ -15,9 +15,11 @@ from fricomp.diagnosis.evidence.findings import Findings
 from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.samples.fine_ripple import find_fine_ripple
 from fricomp.diagnosis.samples.proving import is_beyond_the_base, is_softer_than_the_base, simulate_base
-from fricomp.diagnosis.samples.second_look import look_into_samples
+from fricomp.diagnosis.samples.second_look import look_into_samples, remove_ripple
 from fricomp.diagnosis.samples.soft_presliding import find_soft_presliding, simulate_bristle
 from fricomp.diagnosis.verdict.judging import judge
+from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel
 from fricomp.recording import Recording, RecordingMetadata
 
 from ..known import known_baseline, known_case, known_findings, known_fit, known_search
@@ -168,3 +170,24 @@ def test_the_base_alone_gives_the_recording_of_a_joint_with_nothing_missing() ->
     sliding[:200] = False  # the loop jerks at its start
     # Two independent noises of 0.05 N·m, and what the encoder's steps put into the acceleration.
     assert np.sqrt(np.mean(error[sliding] ** 2)) < 0.05 * float(np.std(recording.torque))
+
+
+def test_a_ripple_of_the_samples_is_taken_out_of_the_torque() -> None:
+    recording, plain = _waving(0.5), _waving(0.0)
+    found = look_into_samples(_findings(recording, None, _SLOW, unknown=True))
+    assert found is not None
+    (cleaned,) = remove_ripple((recording,), found)
+    assert np.std(cleaned.torque - plain.torque) < 0.1 * np.std(recording.torque - plain.torque)
+    assert np.array_equal(cleaned.position, recording.position)
+
+
+def test_a_ripple_goes_into_a_law_beside_the_waves_that_it_has() -> None:
+    found = look_into_samples(_findings(_waving(0.5), None, _SLOW, unknown=True))
+    assert found is not None
+    curve = StribeckCurve(9.0, 13.0, 0.05, 10.0)
+    model = FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve), Cogging(0.1, 0.0, 30.0))))
+    extended = found.extend(model)
+    assert extended is not None
+    numbers = extended.law.parameters()
+    assert numbers["cogging.order"] == 30.0
+    assert numbers["cogging_2.order"] == pytest.approx(700.0, rel=0.01)

@@ -145,3 +145,9 @@ def test_an_effect_that_is_only_carried_is_not_named() -> None:
     assert choose(_PREPARED, [alone, carried], 30.0) is None
     worth = known(("joint_elasticity", "stribeck_shape"), 900.0, _QUIET, coverage=0.99)
     assert choose(_PREPARED, [alone, worth], 30.0) is worth
+
+
+@pytest.mark.parametrize(("gain", "named"), [(370.0, False), (400.0, True)])
+def test_a_ripple_that_grows_with_a_torque_which_hardly_changes_is_one_of_the_torque(gain: float, named: bool) -> None:
+    plain, growing = known(("cogging",), 368.0, _QUIET), known(("torque_ripple",), gain, _QUIET)
+    assert (choose(_PREPARED, [plain, growing], 50.0) is growing) == named

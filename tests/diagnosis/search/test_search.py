@@ -43,3 +43,15 @@ def test_a_late_torque_is_found_beside_another_effect() -> None:
     found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
     assert found.best is not None
     assert found.best.names == ("cogging", "torque_delay")
+
+
+@pytest.mark.slow
+def test_a_soft_bristle_is_found_beside_friction_under_load() -> None:
+    """The base bends its gravity to make up for such friction: the load of the pair is that of another joint."""
+    joint = ToyJoint(sigma_0=1.5e3, sigma_1=3.0, load_coulomb=0.3)
+    columns = record(joint, "fourier", 20.0)
+    recording = Recording(columns["time"], columns["position"], columns["torque"])
+    found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
+    assert found.best is not None
+    assert found.best.names == ("load_coulomb", "presliding_hysteresis")
+    assert found.best.values["load_coulomb"]["coefficient"] == pytest.approx(joint.load_coulomb, rel=0.05)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.effects.structure import Candidate
+from fricomp.diagnosis.effects.structure import Candidate, Structure
 from fricomp.diagnosis.joint.base import BASE_NAMES
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
@@ -34,7 +34,8 @@ def fitted(baseline: Baseline) -> list[Explanation]:
     """Friction under load, friction that differs between driving and braking, and a drive that saturates."""
     driving = Candidate("load_quadratic", (("split", 1.0),))
     candidates = (Candidate("load_coulomb", ()), driving, Candidate("torque_saturation", ()))
-    return fit_from(baseline, [([candidate], baseline.fit.theta) for candidate in candidates], baseline.box)
+    structures = [Structure(baseline.structure.contexts, (candidate,)) for candidate in candidates]
+    return fit_from(baseline, [(one, baseline.fit.theta) for one in structures], baseline.box)
 
 
 def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_another_gravity(

@@ -12,7 +12,7 @@ from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, VerdictName
 from fricomp.diagnosis.record.sentence import NO_MOTION, NOTHING_BUT_SHARED
 from fricomp.diagnosis.verdict.experiment import Proposal
-from fricomp.diagnosis.verdict.judging import choose_verdict, judge
+from fricomp.diagnosis.verdict.judging import choose_verdict, join_channels, judge
 from fricomp.diagnosis.verdict.shared_effect import SimulationEffects
 from fricomp.diagnosis.verdict.writing import write_diagnosis, write_refusal
 
@@ -101,3 +101,28 @@ def test_data_that_cannot_be_diagnosed_say_why() -> None:
     assert record.recordings == ("elbow_cold",)
     assert record.verdict == "bad_data"
     assert record.sentences == ("The data cannot be diagnosed.", "it stands still", "beside")
+
+
+def _read_off(name: str, kind: Kind) -> NamedEffect:
+    return NamedEffect(name=name, kind=kind, parameters={})
+
+
+def test_what_two_channels_show_is_named_beside_the_rows_and_once() -> None:
+    late, bend = _read_off("torque_delay", "measurement"), _read_off("torque_saturation", "physics")
+    plain = judge(known_findings(known_baseline()))
+    assert join_channels(plain, ()) == plain
+    both = join_channels(plain, (late, bend))
+    assert [one.name for one in both.effects] == [
+        *(one.name for one in plain.effects),
+        "torque_delay",
+        "torque_saturation",
+    ]
+    assert (join_channels(plain, (late,)).word, both.word) == ("measurement", "missing_physics")
+    assert both.read_off == ("torque_delay", "torque_saturation")
+    again = join_channels(both, (_read_off("drive_lag", "measurement"),))
+    assert again == both
+
+
+def test_something_unknown_stays_so_beside_a_late_drive() -> None:
+    unknown = judge(known_findings(known_baseline(), unknown=True))
+    assert join_channels(unknown, (_read_off("drive_lag", "measurement"),)).word == "unknown_physics"

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from fricomp.diagnosis.evidence.repetition import Repetitions
 from fricomp.diagnosis.evidence.trial import Trial
+from fricomp.diagnosis.samples.sample_finding import SampleFinding
 from fricomp.diagnosis.verdict.probability import NOTHING, UNKNOWN, compute_probability, list_probabilities
 
 from ..known import known_baseline, known_findings
@@ -35,3 +38,10 @@ def test_a_parameter_that_moves_leaves_less_for_nothing() -> None:
     found = list_probabilities(findings, (), None)
     assert found["inertia_error"] == compute_probability(1.0)
     assert found[NOTHING] == compute_probability(0.0)
+
+
+def test_what_the_samples_show_leaves_less_for_nothing_and_for_something_unknown() -> None:
+    findings = replace(known_findings(known_baseline()), trial=Trial(Repetitions(10, nothing=3, unknown=7)))
+    found = list_probabilities(findings, (), cast(SampleFinding, SimpleNamespace(name="cogging", share=1.0)))
+    assert found["cogging"] == compute_probability(1.0)
+    assert found[NOTHING] == found[UNKNOWN] == compute_probability(0.0)

@@ -14,7 +14,7 @@ from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.findings import Findings
 from fricomp.diagnosis.record.result import Change, HeldOut, Quantity, Rival
 from fricomp.diagnosis.samples.sample_finding import SampleFinding
-from fricomp.diagnosis.verdict.judging import Verdict, judge
+from fricomp.diagnosis.verdict.judging import Verdict, judge, judge_beside
 from fricomp.diagnosis.verdict.settings import VERDICT
 
 from ..known import known_baseline, known_case, known_findings, known_fit, known_search
@@ -102,3 +102,17 @@ def test_it_is_undecided_where_an_effect_of_the_search_has_an_alias() -> None:
     assert not judge(rows()).undecided
     moved = replace(SHIFT, alike=("inertia_error",))
     assert not judge(rows(comparison=Comparison((moved,)))).undecided, "a parameter with an alias is decided"
+
+
+def test_a_ripple_of_the_samples_stands_beside_what_the_rows_show_without_it() -> None:
+    load = EffectEvidence(EFFECTS["load_coulomb"], {"coefficient": exactly(0.3)}, 1.0, {}, ("load_quadratic",))
+    beside = rows(effects=(load,), comparison=Comparison((SHIFT,), changes=(CHANGE,)))
+    found = sample(ripple=(700.0, 0.5))
+    verdict = judge_beside(beside, found)
+    assert names(verdict) == ["cogging", "load_coulomb", "payload_error"]
+    assert (verdict.word, verdict.held, verdict.sample, verdict.changes) == ("missing_physics", HELD, found, (CHANGE,))
+    assert verdict.undecided, "the load has an alias"
+    shares = {one.name: one.share for one in verdict.effects}
+    assert shares["cogging"] == HELD.explained
+    assert shares["load_coulomb"] == pytest.approx((1.0 - HELD.explained) * 0.7)
+    assert names(judge_beside(rows(), found)) == ["cogging"], "one effect is named once"

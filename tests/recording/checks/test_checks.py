@@ -9,6 +9,7 @@ import pytest
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_checked, write_recording
+from fricomp.recording.parts.parts import find_usable_parts
 
 MakeRecording = Callable[..., Recording]
 
@@ -74,6 +75,64 @@ def test_everything_in_degrees_is_told_by_the_reference(make_recording: MakeReco
     assert "position_reference" in _codes(with_reference)["degrees"].message
 
 
+@pytest.mark.parametrize(
+    ("weight", "size", "noise"), [(2.0, 1.2, 0.02), (0.4, 1.0, 0.02), (15.0, 0.8, 0.5), (2.0, 2.4, 0.1)]
+)
+def test_everything_in_degrees_is_told_by_the_sine_of_gravity(weight: float, size: float, noise: float) -> None:
+    t = np.arange(0.0, 30.0, 0.004)
+    angle = 0.3 + size * np.sin(1.6 * t) + 0.3 * size * np.sin(3.8 * t + 1.0)
+    speed = np.gradient(angle, t)
+    torque = 0.03 * np.gradient(speed, t) + 0.2 * np.sign(speed) + 0.1 * speed + weight * np.sin(angle)
+    torque = torque + noise * np.random.default_rng(8).normal(size=t.size)
+    finding = _codes(Recording(t, np.round(angle * _DEGREES, 3), torque))["degrees"]
+    assert finding.severity == "error"
+    assert 'unit = "deg"' in finding.advice
+    assert "continuous: true" in finding.advice
+    assert "degrees" not in _codes(Recording(t, angle, torque))
+
+
+@pytest.mark.parametrize("load", ["gravity", "spring", "bent spring", "cable", "none"])
+def test_many_turns_in_radians_are_no_degrees(load: str) -> None:
+    t = np.arange(0.0, 30.0, 0.004)
+    angle = 30.0 * np.sin(0.6 * t) + 12.0 * np.sin(1.45 * t)
+    speed = np.gradient(angle, t)
+    torque = 0.01 * np.gradient(speed, t) + 0.2 * np.sign(speed) + 0.01 * speed
+    torque += {
+        "gravity": 2.0 * np.sin(angle),
+        "spring": 0.05 * angle,
+        "bent spring": 0.05 * angle + 4e-4 * angle**2,
+        "cable": 0.02 * angle + 0.3 * np.tanh(angle / 20.0),
+        "none": 0.0 * angle,
+    }[load]
+    torque += 0.02 * np.random.default_rng(9).normal(size=t.size)
+    assert _codes(Recording(t, angle, torque)).keys() == {"degrees_suspected"}
+
+
+@pytest.mark.parametrize("offset", [0.0, 180.0, 57.0])
+def test_a_wrap_at_360_is_of_degrees(offset: float) -> None:
+    t = np.arange(0.0, 20.0, 0.004)
+    angle = 4.0 * np.sin(1.6 * t)
+    torque = 0.3 * np.sign(np.cos(1.6 * t)) - 0.1 * np.sin(1.6 * t)
+    degrees = (np.round(angle * _DEGREES, 2) + offset) % 360.0 - offset
+    finding = _codes(find_usable_parts(Recording(t, degrees, torque)).kept)["degrees"]
+    assert "wraps round at 360" in finding.message
+    assert 'unit = "deg", unwrap = 6.28319' in finding.advice
+
+
+@pytest.mark.parametrize("counts", [2000, 10000, 36000])
+def test_an_encoder_of_hundreds_of_counts_shows_degrees(counts: int) -> None:
+    t = np.arange(0.0, 20.0, 0.004)
+    angle = 1.5 * np.sin(1.6 * t) + 0.2 * np.sin(5.1 * t)
+    torque = 0.3 * np.sign(np.gradient(angle)) + 0.1 * np.gradient(angle, t)
+    turns = np.round(angle * counts / _TURN) / counts
+    degrees = _codes(Recording(t, 360.0 * turns, torque))
+    if counts == 36000:  # a step of 0.01 may be a rounding of anything
+        assert "degrees" not in degrees
+    else:
+        assert f"360 / {counts}" in degrees["degrees"].message
+    assert "degrees" not in _codes(Recording(t, _TURN * turns, torque))
+
+
 def test_everything_in_degrees_without_other_evidence_is_suspected(make_recording: MakeRecording) -> None:
     recording = _in_degrees(make_recording().with_metadata(encoder_resolution=None))
     assert _codes(recording)["degrees_suspected"].severity == "warning"
@@ -90,6 +149,14 @@ def test_velocity_that_is_not_the_derivative_of_position_is_noticed(
     recording = make_recording()
     assert recording.velocity is not None
     assert code in _codes(recording.with_channels(velocity=recording.velocity * factor))
+
+
+def test_a_velocity_read_with_another_motors_range_is_asked_about(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    assert recording.velocity is not None
+    finding = _codes(recording.with_channels(velocity=recording.velocity / 1.66))["velocity_scale"]
+    assert "1.66 times" in finding.message
+    assert "V_MAX" in finding.advice
 
 
 def test_velocity_of_another_joint_is_noticed(make_recording: MakeRecording) -> None:

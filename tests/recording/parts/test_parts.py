@@ -108,6 +108,18 @@ def test_held_rows_are_thinned_to_the_rate_of_the_readings(rows: int) -> None:
     assert f"{1000.0 / rows:.4g} Hz" in usable.sentences[-1]
 
 
+@pytest.mark.parametrize("after", [1, 7])
+def test_a_torque_that_comes_in_other_rows_than_the_position_is_not_late_once_thinned(after: int) -> None:
+    log, rows = joint_log(30.0, 1000.0, 11), 15
+    first = np.arange(len(log)) // rows * rows
+    later = np.maximum((np.arange(len(log)) - after) // rows * rows + after, 0)
+    held = {"position": log.position[first], "velocity": None, "torque": log.torque[later]}
+    kept = find_usable_parts(log.with_channels(**held)).kept
+    truth = np.interp(kept.time, log.time, log.torque)
+    stale = log.torque[later][np.searchsorted(log.time, kept.time - 1e-9)]
+    assert np.std(kept.torque - truth) < 0.35 * np.std(stale - truth)
+
+
 def test_a_slow_joint_with_a_coarse_encoder_keeps_its_rows() -> None:
     log = joint_log(30.0, 1000.0, 12)
     coarse = np.round(0.02 * log.position / 1e-3) * 1e-3
@@ -139,3 +151,12 @@ def test_a_velocity_without_a_code_for_zero_is_no_motion() -> None:
     ) * step
     resting = log.with_channels(position=position, velocity=codes)
     assert not any("stuck" in one.reason for one in find_usable_parts(resting).left_out)
+
+
+@pytest.mark.parametrize(("bits", "count"), [(16, 2.69e-3), (12, 4e-3)])
+def test_a_torque_that_was_read_as_unsigned_has_its_signs(bits: int, count: float) -> None:
+    log = joint_log(20.0, 320.0, 9)
+    counts = np.round(log.torque / count)
+    usable = find_usable_parts(log.with_channels(torque=np.mod(counts, 2**bits) * count))
+    assert usable.kept.torque == pytest.approx(counts * count, abs=1e-6)
+    assert any(f"signed number of {bits} bits" in one and "signed_range" in one for one in usable.sentences)

@@ -33,13 +33,14 @@ def run(
     from fricomp.cli.terminal import progress, resumable
     from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.arms import run_arms
+    from fricomp.sim_bench.studies.kit.folder import claim_run
     from fricomp.sim_bench.studies.proof import RunSettings, load_or_start
-    from fricomp.sim_bench.studies.proof.settings import stop_after
+    from fricomp.sim_bench.studies.proof.settings import SETTINGS, stop_after
 
     from .show import show_scores, write_run_page
 
-    settings = load_or_start(out, RunSettings(cases, scored=scored, first_seed=first_seed), resume=resume)
-    with resumable(out), progress() as bar, open_executor(executor, workers) as pool:
+    with claim_run(out, SETTINGS), resumable(out), progress() as bar, open_executor(executor, workers) as pool:
+        settings = load_or_start(out, RunSettings(cases, scored=scored, first_seed=first_seed), resume=resume)
         task = bar.add_task("arms", total=cases)
         scores = run_arms(
             settings,

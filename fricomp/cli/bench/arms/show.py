@@ -15,9 +15,7 @@ __all__ = ["show_scores", "write_run_page"]
 
 def show_scores(scores: Sequence[ArmScore]) -> None:
     """Print the figures."""
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
     from fricomp.sim_bench.studies.arms import compute_figures
 
     table = Table("figure", "wanted", "measured (95 % interval)", "reached")

@@ -21,9 +21,7 @@ def compare(
     ] = False,
 ) -> None:
     """Show where verdict or names differ, the largest move of a parameter, and both times."""
-    from rich.table import Table
-
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import Table, console
     from fricomp.sim_bench.studies.proof.side_by_side import compare_runs
 
     pairs = compare_runs(first, second)

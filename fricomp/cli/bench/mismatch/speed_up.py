@@ -27,15 +27,15 @@ def speed_up(
     from dataclasses import asdict
 
     from fricomp.cli.terminal import console, progress
-    from fricomp.results import require_free_file
+    from fricomp.results import claim_file
     from fricomp.sim_bench.studies.proof import RunSettings, measure_speed_up, plan_run
     from fricomp.whole_file import write_whole
 
-    require_free_file(out / "speed_up.json", overwrite=overwrite)
-    planned = plan_run(RunSettings(cases, quick=True, first_seed=first_seed))
-    with progress() as bar:
-        task = bar.add_task("one worker and two", total=len(planned))
-        found = measure_speed_up(planned, progress=lambda: bar.advance(task))
-    figures = asdict(found) | {"ratio": found.ratio, "ratio_free": found.ratio_free}
-    write_whole(out / "speed_up.json", json.dumps(figures, indent=1) + "\n")
+    with claim_file(out / "speed_up.json", overwrite=overwrite):
+        planned = plan_run(RunSettings(cases, quick=True, first_seed=first_seed))
+        with progress() as bar:
+            task = bar.add_task("one worker and two", total=len(planned))
+            found = measure_speed_up(planned, progress=lambda: bar.advance(task))
+        figures = asdict(found) | {"ratio": found.ratio, "ratio_free": found.ratio_free}
+        write_whole(out / "speed_up.json", json.dumps(figures, indent=1) + "\n")
     console().print(str(found), soft_wrap=True)

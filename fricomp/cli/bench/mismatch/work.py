@@ -85,7 +85,7 @@ def show_scores(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Pa
 
 
 def _make_table(figures: Sequence[Any]) -> Any:
-    from rich.table import Table
+    from fricomp.cli.terminal import Table
 
     table = Table("figure", "target", "measured (95 % interval)", "reached")
     for figure in figures:

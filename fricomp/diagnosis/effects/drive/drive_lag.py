@@ -38,7 +38,7 @@ class DriveLag(Effect):
 
     def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The torque of the base is recorded as early as it may be."""
-        return is_at_earliest(contexts[0].plant, contexts[0].dt)
+        return is_at_earliest(contexts[0].plant, contexts[0].delays[0])
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         """The recorded torque itself is filtered: where the joint sticks, the torque that a base without the lag needs

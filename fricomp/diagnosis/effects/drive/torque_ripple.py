@@ -22,6 +22,7 @@ class TorqueRipple(Effect):
     citation = "jahns1996ripple"
     says = "the recorded torque makes more or less torque at some angles: a ripple that grows with it"
     ripple = True
+    gain_share = 0.98  # Where the torque hardly changes it is a ripple of that torque.
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # One per cent is a good motor; at nine tenths it would hardly turn at some angle.

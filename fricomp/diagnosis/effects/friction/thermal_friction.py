@@ -17,7 +17,7 @@ from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
 from ..heating_time import HEATING_TIME, propose_heating_times
 from ..settings import EFFECT
-from ..warming import compute_heat, compute_losses, compute_warming
+from ..warming import compute_heat, compute_losses, compute_unit_rise, compute_warming
 
 LEAST_VISCOUS = 0.1
 """Least viscous friction at top speed in the dry level: what warms must be something, also where a base found none."""
@@ -91,12 +91,12 @@ class _Warmth(HiddenState):
         power = compute_losses(self.context)
         rise = compute_warming(power, self.context.dt, self.time_constant)
         self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), max(float(np.mean(power)), 1e-12)
-        self.gain = 1.0 - exp(-step / self.time_constant)
+        self.gain, self.unit = 1.0 - exp(-step / self.time_constant), compute_unit_rise(self.time_constant)
 
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
         self.rise += self.gain * (abs(friction * velocity) / self.mean - self.rise)
         viscous = self.forward if velocity >= 0.0 else self.reverse
-        fall = min(max(self.slope * (self.rise - self.usual) / viscous, -STRONGEST_FALL), STRONGEST_FALL)
+        fall = min(max(self.slope * (self.rise - self.usual) / self.unit / viscous, -STRONGEST_FALL), STRONGEST_FALL)
         return viscous * expm1(-fall) * velocity, 0.0
 
 

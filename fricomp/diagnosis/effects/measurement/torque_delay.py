@@ -34,7 +34,7 @@ class TorqueDelay(Effect):
 
     def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own delay is as long as it may be."""
-        return is_at_latest(contexts[0].plant)
+        return is_at_latest(contexts[0].plant, contexts[0].delays[1])
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(delay=values["delay"])

@@ -27,10 +27,16 @@ class Backlash(Effect):
     shown_at_rest = True
     gap_step: ClassVar[float] = 0.4
     """Change of the logarithm of a gap that matters."""
-    touching_rate: ClassVar[float] = 600.0
-    """Rate of the load on the teeth once they touch [rad/s]: faster than any row can show."""
-    damping_ratio: ClassVar[float] = 0.5
-    """Damping ratio of the load there: lubricated teeth are lossy, and bounces lie below a row."""
+    usual_rate: ClassVar[float] = 600.0
+    """Rate of the load on the teeth once they touch, from which a fit starts [rad/s]: faster than rows can show."""
+    rates: ClassVar[tuple[float, float]] = (250.0, 1500.0)
+    """Bounds on that rate [rad/s]. A softer contact is a flexible transmission; a stiffer one shows no more."""
+    usual_damping: ClassVar[float] = 0.5
+    """Damping ratio of the load there, from which a fit starts: lubricated teeth are lossy."""
+    dampings: ClassVar[tuple[float, float]] = (0.1, 2.0)
+    """Bounds on it: from teeth that ring for some swings to those that stick."""
+    contact_prior: ClassVar[float] = 0.6
+    """Standard deviation of the logarithms of rate and damping ratio: joints differ by a factor of two or three."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # A gap below 20 µrad is closed by any film of oil, and one above 30 mrad is seen with bare eyes.
@@ -42,6 +48,15 @@ class Backlash(Effect):
             ),
             # MuJoCo's second hinge with a share of 0.587 was given 0.591.
             EffectParameter("load_share", "1", step, *EFFECT.load_shares, linear=False, prior=prior, form=0.01),
+            self._build_contact("contact_rate", "1/s", self.rates),
+            self._build_contact("contact_damping", "1", self.dampings),
+        )
+
+    def _build_contact(self, name: str, unit: str, limits: tuple[float, float]) -> EffectParameter:
+        """A number of the teeth that touch, which few rows show, fitted as its logarithm."""
+        low, high = (float(np.log(limit)) for limit in limits)
+        return EffectParameter(
+            name, unit, self.gap_step, low, high, linear=False, logarithmic=True, prior=self.contact_prior, form=0.5
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
@@ -50,7 +65,8 @@ class Backlash(Effect):
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # The size of an impact is free within a factor of three; when it comes, the share tells within 0.02.
         gaps, shares = np.log(np.geomspace(1e-4, 2e-2, 6)), np.linspace(0.3, 0.86, 29)
-        return [{"gap": float(gap), "load_share": float(share)} for gap in gaps for share in shares]
+        contact = {"contact_rate": float(np.log(self.usual_rate)), "contact_damping": float(np.log(self.usual_damping))}
+        return [{"gap": float(gap), "load_share": float(share), **contact} for gap in gaps for share in shares]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=compute_carried(context, _build_transmission(context, values)))
@@ -66,6 +82,5 @@ class Backlash(Effect):
 
 def _build_transmission(context: Context, values: Values) -> Transmission:
     inertia = context.plant.inertia * values["load_share"]
-    return Transmission(
-        inertia, inertia * Backlash.touching_rate**2, Backlash.damping_ratio, float(np.exp(values["gap"]))
-    )
+    gap, rate, damping = (float(np.exp(values[name])) for name in ("gap", "contact_rate", "contact_damping"))
+    return Transmission(inertia, inertia * rate**2, damping, gap)

@@ -71,14 +71,15 @@ def test_points_of_the_law_raise_no_doubt(relative: bool) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("relative", [False, True])
-@pytest.mark.parametrize("speed", [LOGARITHMIC, np.linspace(0.01, 1.0, 100), np.geomspace(0.01, 1.0, 8)])
+@pytest.mark.parametrize(("relative", "noise"), [(False, 0.01), (True, 0.05)])
 def test_one_of_a_thousand_identifications_is_doubted_though_its_points_follow_the_law(
-    speed: FloatArray, relative: bool
+    relative: bool, noise: float
 ) -> None:
-    noise = 0.05 if relative else 0.01
-    draws = [_identify(_points(seed, speed=speed, noise=noise, relative=relative)) for seed in range(500)]
-    assert sum(draw.status is Status.LACK_OF_FIT for draw in draws) <= 4
+    speeds = (LOGARITHMIC, np.linspace(0.01, 1.0, 100), np.geomspace(0.01, 1.0, 8))
+    draws = [
+        _identify(_points(seed, speed=speed, noise=noise, relative=relative)) for speed in speeds for seed in range(200)
+    ]
+    assert sum(draw.status is Status.LACK_OF_FIT for draw in draws) <= 3
 
 
 @pytest.mark.slow
@@ -154,11 +155,11 @@ def test_intervals_hold_where_few_speeds_show_the_static_torque(slowest: float) 
 @pytest.mark.parametrize("reading", ["relative", "absolute"])
 def test_intervals_of_the_robust_fit_hold(reading: str) -> None:
     covered = []
-    for seed in range(100):
+    for seed in range(50):
         draw, _ = contaminate(noisy(reading, seed), PROBLEM)
         result = identify(draw.velocity, draw.torque, method="least_squares", noise=reading, loss="robust")
         if result.status is Status.CONVERGED:
             intervals = [result.interval(name) for name in result.parameter_names]
             covered.append([i.lower <= t <= i.upper for i, t in zip(intervals, TRUE, strict=True)])
-    assert len(covered) > 80
+    assert len(covered) > 40
     assert np.mean(np.array(covered, dtype=np.float64)) > 0.92

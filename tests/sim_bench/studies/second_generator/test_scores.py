@@ -24,6 +24,7 @@ from fricomp.sim_bench.studies.second_generator import (
     write_files,
     write_page,
 )
+from fricomp.sim_bench.studies.second_generator.forms import FORMS
 
 _LAG = "velocity_filter_lag"
 
@@ -44,14 +45,22 @@ def _score(effect: str, verdict: str, named: dict[str, Any], *, velocity: bool =
     return score_case(Case(effect, "rich", 1, velocity), truth, _answer(verdict, named))
 
 
-def test_names_of_cases_are_their_own_and_every_effect_is_on_both_motions() -> None:
+def test_names_of_cases_are_their_own_and_every_effect_but_further_forms_is_on_both_motions() -> None:
     cases = list_cases()
     assert len({case.name for case in cases}) == len(cases)
-    for name in EFFECTS:
-        assert {case.motion for case in cases if case.effect == name and case.velocity} == {"rich", "fourier"}
+    for name, effect in EFFECTS.items():
+        motions = {case.motion for case in cases if case.effect == name and case.velocity}
+        assert motions == ({"rich"} if effect in FORMS else {"rich", "fourier"})
     assert {case.duration for case in list_cases(quick=True)} == {20.0}
     assert sum(case.effect == "nothing" and case.velocity for case in cases) == 6
     assert sum(effect.group == "outside" for effect in EFFECTS.values()) >= 4
+
+
+def test_another_form_of_an_effect_is_right_by_the_name_of_the_catalogue() -> None:
+    score = _score("backlash_soft", "missing_physics", {"backlash": {}}, velocity=False)
+    assert (score.first_right, score.false_names, score.wrong) == (True, (), False)
+    assert _score("backlash_soft", "missing_physics", {"end_stop": {}}, velocity=False).false_names == ("end_stop",)
+    assert all(form.group == "outside" or form.form_of in EFFECTS for form in FORMS)
 
 
 def test_cases_are_chosen_by_their_name_or_their_effect() -> None:

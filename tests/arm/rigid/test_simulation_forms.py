@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from fricomp.arm.naming import match_joints, parse_names
-from fricomp.arm.regressor import compute_regressor
-from fricomp.arm.simulated_arm import read_arm
+from fricomp.arm.rigid.naming import match_joints, parse_names
+from fricomp.arm.rigid.regressor import compute_regressor
+from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import SimulationFileError
 
 INERTIAL = (

@@ -15,6 +15,7 @@ from fricomp.laws import FloatArray
 from fricomp.simulation_file import compile_simulation, list_mimics
 
 from .inertia import combine_inertia
+from .kinematics import JointMotion, move_bodies
 from .naming import match_joints
 
 __all__ = ["Follower", "LinkMotion", "SimulatedArm", "read_arm"]
@@ -92,35 +93,33 @@ class SimulatedArm:
         Returns:
             The motion of each of `links`.
         """
-        import mujoco
-
-        model, n = self._model, len(position)
-        data = mujoco.MjData(model)
-        data.qpos[:] = self._pose
-        places, dofs = self._addresses(self.joints)
-        far_places, far_dofs = self._addresses([one.name for one in self.followers])
-        leaders = [one.leader for one in self.followers]
         far = _follow_paths(self.followers, position, velocity, acceleration)
-        motion = np.empty((len(self._bodies), n, 12))
-        columns = np.empty((len(self._bodies), n, 6, len(dofs)))
-        full = np.zeros((6, model.nv))
-        for k in range(n):
-            data.qpos[places], data.qvel[dofs], data.qacc[dofs] = position[k], velocity[k], acceleration[k]
-            data.qpos[far_places], data.qvel[far_dofs], data.qacc[far_dofs] = far[0][k], far[1][k], far[2][k]
-            mujoco.mj_fwdPosition(model, data)
-            mujoco.mj_fwdVelocity(model, data)
-            mujoco.mj_rnePostConstraint(model, data)
-            for i, body in enumerate(self._bodies):
-                mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, motion[i, k, :6], 1)
-                mujoco.mj_objectAcceleration(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, motion[i, k, 6:], 1)
-                mujoco.mj_jacBody(model, data, full[:3], full[3:], body)
-                turn, own = data.xmat[body].reshape(3, 3), full[:, dofs]
-                for dof, leader, slope in zip(far_dofs, leaders, far[3][k], strict=True):
-                    own[:, leader] += slope * full[:, dof]
-                columns[i, k, :3], columns[i, k, 3:] = turn.T @ own[:3], turn.T @ own[3:]
-        return [
-            LinkMotion(m[:, :3], m[:, 6:9], m[:, 9:], c[:, :3], c[:, 3:]) for m, c in zip(motion, columns, strict=True)
-        ]
+        recorded = [self._model.joint(name).id for name in self.joints]
+        leaders = [one.leader for one in self.followers]
+        following = [self._model.joint(one.name).id for one in self.followers]
+        motions = {
+            j: JointMotion(*columns)
+            for j, *columns in zip(recorded, position.T, velocity.T, acceleration.T, strict=True)
+        }
+        motions |= {
+            j: JointMotion(*columns) for j, *columns in zip(following, *(each.T for each in far[:3]), strict=True)
+        }
+        moved = move_bodies(self._model, self._pose, motions, self._bodies, len(position))
+        links = []
+        for body in (moved[number] for number in self._bodies):
+            columns = np.stack([np.concatenate(body.build_jacobian(j), axis=1) for j in recorded], axis=2)
+            for j, leader, slope in zip(following, leaders, far[3].T, strict=True):
+                columns[:, :, leader] += slope[:, None] * np.concatenate(body.build_jacobian(j), axis=1)
+            links.append(
+                LinkMotion(
+                    angular_velocity=body.in_own_axes(body.angular_velocity),
+                    angular_acceleration=body.in_own_axes(body.angular_acceleration),
+                    acceleration=body.in_own_axes(body.acceleration),
+                    translation=columns[:, :3],
+                    rotation=columns[:, 3:],
+                )
+            )
+        return links
 
     @property
     def order(self) -> tuple[int, ...]:
@@ -137,10 +136,6 @@ class SimulatedArm:
     def moving_joints(self) -> frozenset[str]:
         """Names of the joints that were recorded, and of those that follow them."""
         return frozenset((*self.joints, *(one.name for one in self.followers)))
-
-    def _addresses(self, names: Sequence[str]) -> tuple[list[int], list[int]]:
-        ids = [self._model.joint(name).id for name in names]
-        return [int(self._model.jnt_qposadr[i]) for i in ids], [int(self._model.jnt_dofadr[i]) for i in ids]
 
 
 def _follow_paths(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.arm.inertia import N_INERTIA, LinkCoordinates, combine_inertia, to_centre
+from fricomp.arm.rigid.inertia import N_INERTIA, LinkCoordinates, combine_inertia, to_centre
 
 
 def sample_link(seed: int) -> np.ndarray:

@@ -1,0 +1,60 @@
+"""The answer on an arm in short: what is wrong, in which joints and links, and what to do; from the record alone."""
+
+from __future__ import annotations
+
+from fricomp.diagnosis.effects import EFFECTS
+from fricomp.overview import AT_BOUND
+
+from .record import ArmRecord, JointEffect, LinkRecord
+from .shared_cause import say_shared_causes
+
+__all__ = ["write_summary"]
+
+
+def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
+    """Sentences in which a newcomer reads what is wrong, what to do, and what each part is.
+
+    Args:
+        record: Everything else.
+        opening: The answer in a sentence.
+    """
+    named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
+    off = [link for link in record.links if link.state == "off"]
+    lines = [opening, _say_what_to_do(named=bool(named), off=bool(off)), *say_shared_causes(record.joints)]
+    names = dict.fromkeys(effect.name for _, effect in named)
+    lines += [_say_effect([one for one in named if one[1].name == name]) for name in names]
+    lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
+    unknown = [link.name for link in record.links if link.state == "not_determined"]
+    lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
+    return tuple(lines)
+
+
+def _say_what_to_do(*, named: bool, off: bool) -> str:
+    if not named and not off:
+        return "To do: nothing of the links; arm.xml and joints/NAME/friction.json hold the friction."
+    friction = "compensate with joints/NAME/friction.json"
+    return f"To do: simulate with arm.xml, which holds these links and frictions; {friction}."
+
+
+def _say_effect(shown: list[tuple[str, JointEffect]]) -> str:
+    """One effect, with its numbers in each joint that shows it."""
+    first = shown[0][1]
+    joints = "; ".join(f"{joint} {_list_numbers(effect)}" for joint, effect in shown)
+    return f"{first.name}: {EFFECTS[first.name].says} [{first.equation}]; {joints}."
+
+
+def _list_numbers(effect: JointEffect) -> str:
+    alike = f"(or {' or '.join(effect.indistinguishable_from)}) " if effect.indistinguishable_from else ""
+    return alike + ", ".join(
+        f"{name.replace('_', ' ')} {one.value:.3g}{'' if one.unit == '1' else f' {one.unit}'}"
+        f"{f' ({AT_BOUND})' if one.at_bound else ''}"
+        for name, one in effect.parameters.items()
+    )
+
+
+def _name_link(link: LinkRecord) -> str:
+    """With how much heavier it is, where its mass is what is off."""
+    low, high = (end - link.simulated_mass for end in link.mass.ci95)
+    if low <= 0.0 <= high:
+        return f"{link.name} (mass elsewhere)"
+    return f"{link.name} ({link.mass.value - link.simulated_mass:+.3g} kg)"

@@ -1,0 +1,237 @@
+"""Which links and friction are written, and what the files are worth joint by joint.
+
+Torques say little of what a link weighs where it hardly accelerates, and an open-loop simulation hangs on just that:
+an arm of small inertia runs away from errors that are small as torques. So the links as they were found, and links that
+stay nearer the simulation wherever the motion says little, are both simulated on the blocks that they were fitted to;
+those that go less wrong are written, and measured on the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import FricompError
+from fricomp.evaluation import ArmEvaluation
+from fricomp.evaluation.arm import JointErrors
+from fricomp.evaluation.settings import HORIZONS
+
+from ..answer import ArmAnswer
+from ..confirmation import without_terms
+from ..equations import BoolArray
+from ..fit import ArmFit, fit_arm
+from ..prior import ArmPrior
+from ..record import ArmRecord, FileErrors, JointRecord
+from .evaluation import FileTrial, compare_files, hold_out
+
+__all__ = ["WrittenFiles", "add_file_errors", "prepare_files"]
+
+_NEARER = 0.3
+"""Part of the prior's deviation that the links of the second choice may depart from the simulation by."""
+
+_CLEARLY = 0.98
+"""Error of the second choice, in that of the links as they were found, below which it is written."""
+
+_LONGEST = 0.5
+"""[s] of the open-loop simulations that decide, and of those whose errors are told in words."""
+
+_WORSE = 1.1
+"""Torque error of the files over that of the fit from which both are told."""
+
+_NO_BETTER = 1.0
+"""Error of the files, in that of the simulation with Coulomb and viscous friction, from which they are no better."""
+
+_STEPS = 20
+"""Gauss-Newton steps of the second choice, which lies further from the fit that it starts at."""
+
+
+@dataclass(frozen=True)
+class WrittenFiles:
+    """What `arm.xml` and the friction models are made of, and what that is worth.
+
+    Attributes:
+        answer: With the links and friction that are written.
+        errors: Of each joint on held-out data; empty where the recording is too short.
+        notes: How what is written differs from the answer, in sentences.
+        held_out: The same errors with their intervals, of the files alone; None where the recording is too short.
+        without: Of joints in which something is named, by files that are made without it.
+        whole: Errors of the files as they are written, over the whole recording; torque alone.
+    """
+
+    answer: ArmAnswer
+    errors: Mapping[str, FileErrors]
+    notes: tuple[str, ...] = ()
+    held_out: ArmEvaluation | None = None
+    without: Mapping[str, JointErrors] = field(default_factory=dict)
+    whole: ArmEvaluation | None = None
+
+
+def prepare_files(answer: ArmAnswer, simulation: str | Path) -> WrittenFiles:
+    """Choose what is written, and measure it on held-out blocks.
+
+    Args:
+        answer: The confirmed fit.
+        simulation: The file that was compared.
+    """
+    held, spans, others = hold_out(answer.identification.rows.time)
+    found = _fit_found(answer, ~held)
+    nearer = _choose_nearer(FileTrial(answer, Path(simulation), ~held, others, _LONGEST), found)
+    made, prior = WrittenFiles(answer, {}), answer.identification.prior
+    if nearer is not None:
+        prior = _bring_nearer(prior)
+        fit = _fit_nearer(answer, np.ones_like(held))
+        note = (
+            "In arm.xml and the friction models the links stay nearer the simulation than in this answer: in open-loop "
+            "simulation that goes less wrong."
+        )
+        made = WrittenFiles(replace(answer, identification=replace(answer.identification, fit=fit)), {}, (note,))
+    trial = FileTrial(answer, Path(simulation), ~held, spans, HORIZONS[-1])
+    with suppress(FricompError, ValueError):  # no stretch of the recording that an open-loop simulation fits into
+        return _measure(made, trial, found if nearer is None else nearer, prior)
+    return made
+
+
+def _measure(made: WrittenFiles, trial: FileTrial, fit: ArmFit, prior: ArmPrior) -> WrittenFiles:
+    """What the files are worth: held out, without what is named in a joint, and as they are written.
+
+    Args:
+        made: Without errors.
+        trial: On held-out blocks.
+        fit: What files are made of without these blocks.
+        prior: How far the simulation was trusted for it.
+    """
+    after = trial.evaluate_fit(fit)
+    whole = replace(trial, spans=None, longest=0.0)
+    named = {j: trial.answer.list_named(j) for j in range(len(fit.arm.joints))}
+    equations = trial.answer.identification.equations.with_rows(trial.trained)
+    less = {
+        fit.arm.joints[j]: fit_arm(fit.arm, equations, without_terms(fit.model, j, names), prior, fit)
+        for j, names in named.items()
+        if names
+    }
+    return replace(
+        made,
+        errors=compare_files(trial, fit, trial.evaluate_plain(), after),
+        held_out=after,
+        without={name: trial.evaluate_fit(one).joint(name) for name, one in less.items()},
+        whole=whole.evaluate_fit(made.answer.identification.fit),
+    )
+
+
+def add_file_errors(record: ArmRecord, written: WrittenFiles) -> ArmRecord:
+    """The record with what the files of each joint are worth; as it was where the recording is too short for it."""
+    from msgspec.structs import replace as change
+
+    joints = tuple(change(joint, files=written.errors.get(joint.name)) for joint in record.joints)
+    return change(
+        record,
+        joints=joints,
+        sentences=(*record.sentences, *written.notes, *_say_files(joints)),
+        summary=(*record.summary, *_warn_in_short(joints)),
+    )
+
+
+def _choose_nearer(trial: FileTrial, found: ArmFit) -> ArmFit | None:
+    """The fit with links nearer the simulation; None where that goes no less wrong than the one that was found."""
+    try:
+        before = trial.evaluate_plain()
+        least = _score(before, trial.evaluate_fit(found))
+        nearer = _fit_nearer(trial.answer, trial.trained)
+        near = _score(before, trial.evaluate_fit(nearer))
+    except (FricompError, ValueError):
+        return None
+    return nearer if near < _CLEARLY * least else None
+
+
+def _fit_found(answer: ArmAnswer, rows: BoolArray) -> ArmFit:
+    """The model that was confirmed, fitted to some of the rows."""
+    found = answer.identification
+    fit = found.fit
+    if np.all(rows):
+        return fit
+    return fit_arm(fit.arm, found.equations.with_rows(rows), fit.model, found.prior, fit, steps=5)
+
+
+def _fit_nearer(answer: ArmAnswer, rows: BoolArray) -> ArmFit:
+    """The same with links that depart less from the simulation, none of them far."""
+    found = answer.identification
+    fit, prior = found.fit, _bring_nearer(found.prior)
+    model = replace(fit.model, opened=frozenset())
+    return fit_arm(fit.arm, found.equations.with_rows(rows), model, prior, fit, steps=_STEPS)
+
+
+def _bring_nearer(prior: ArmPrior) -> ArmPrior:
+    return replace(prior, links=_NEARER * prior.links)
+
+
+def _score(before: ArmEvaluation, after: ArmEvaluation) -> float:
+    """Geometric mean over joints of their errors, in those of the simulation: torque, and position after each time."""
+    ratios = []
+    for old, new in zip(before.joints, after.joints, strict=True):
+        moved = [b.median / max(a.median, 1e-300) for a, b in zip(old.position, new.position, strict=True)]
+        ratios += [new.torque.rms / max(old.torque.rms, 1e-300), *moved]
+    return float(np.exp(np.mean(np.log(np.maximum(ratios, 1e-300)))))
+
+
+def _say_files(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """How far the written files go wrong, where they are no better, and which hold less than the fit."""
+    lines = []
+    known = [(joint, joint.files) for joint in joints if joint.files is not None]
+    times = [tuple(each for each in files.positions if each.after == _LONGEST) for _, files in known]
+    if known and all(times):
+        parts = ", ".join(
+            f"{joint.name} {1e3 * at.simulation:.3g} to {1e3 * at.files:.3g} m{at.unit}"
+            for (joint, _), (at,) in zip(known, times, strict=True)
+        )
+        lines.append(
+            f"Simulated for {_LONGEST:g} s from measured states with the recorded torques, on held-out data, the "
+            f"median position error changes from the simulation with Coulomb and viscous friction to these files: "
+            f"{parts}."
+        )
+    for joint, files in known:
+        lines += _say_worse(joint, files)
+        if files.torque > _WORSE * files.torque_fit:
+            lines.append(
+                f"{joint.name}: the files hold less than the fit; their held-out torque error is {files.torque:.3g} "
+                f"{joint.unit}, that of the fit {files.torque_fit:.3g} {joint.unit}."
+            )
+    return tuple(lines)
+
+
+def _warn_in_short(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """Where the files of joints are no better, as the terminal has it."""
+    worse = [
+        f"{joint.name} {' and '.join(found)}"
+        for joint in joints
+        if joint.files is not None and (found := _find_worse(joint, joint.files))
+    ]
+    if not worse:
+        return ()
+    return (f"But the files are no better than the simulation with Coulomb and viscous friction: {'; '.join(worse)}.",)
+
+
+def _find_worse(joint: JointRecord, files: FileErrors) -> list[str]:
+    worse = []
+    if files.torque >= _NO_BETTER * files.torque_simulation:
+        worse.append(f"in torque ({files.torque_simulation:.3g} to {files.torque:.3g} {joint.unit})")
+    for at in files.positions:
+        if at.after <= _LONGEST and at.files >= _NO_BETTER * at.simulation:
+            moved = f"{1e3 * at.simulation:.3g} to {1e3 * at.files:.3g} m{at.unit}"
+            worse.append(f"simulated for {at.after:g} s ({moved})")
+    return worse
+
+
+def _say_worse(joint: JointRecord, files: FileErrors) -> list[str]:
+    """Where the files of a joint are no better than its simulation with Coulomb and viscous friction."""
+    worse = _find_worse(joint, files)
+    if not worse:
+        return []
+    lost = "Do not simulate it by them without a controller. " if len(worse) > 1 or "simulated" in worse[0] else ""
+    return [
+        f"{joint.name}: the files are no better than the simulation with Coulomb and viscous friction "
+        f"{' and '.join(worse)}. {lost}".rstrip()
+    ]

@@ -1,0 +1,1 @@
+"""How well the numbers of an arm are known: `scatter` (stretches left out), `alternatives` and `averaging` (models)."""

@@ -1,0 +1,85 @@
+"""What a recording does not tell from the answer: models with one thing more, or with a link in place of a spring.
+
+Gravity over a short travel looks like a spring, so that either may stand for the other: then both are told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..confirmation import without_term
+from ..equations import ArmEquations
+from ..fit import ArmFit, ArmModel, Glance, fit_arm
+from ..identification import LOOK_STEPS, propose_models
+from ..physics import is_physical
+from ..prior import ArmPrior
+
+__all__ = ["SPRING", "Alternatives", "find_alternatives", "list_links_instead"]
+
+SPRING = "spring_torque"
+
+_IMPROBABLE, _NEARLY = -3.0, -6.0
+"""Logarithms of Bayes factors from which a model counts, and from which it is looked at: a glance may be that wrong."""
+
+
+@dataclass(frozen=True)
+class Alternatives:
+    """An answer, and models that are not improbable beside it.
+
+    Attributes:
+        own: The fit of the answer, with deviations as its rows promise them.
+        others: Fits with one thing more, by its name; the best variant of each.
+    """
+
+    own: ArmFit
+    others: Mapping[str, ArmFit]
+
+    def find_spring(self, joint: int) -> tuple[float, float] | None:
+        """Stiffness and its deviation [N·m/rad] of a spring that the recording neither shows nor speaks against."""
+        found = self.others.get(f"{self.own.arm.joints[joint]}: {SPRING}")
+        if found is None or found.log_evidence < self.own.log_evidence:
+            return None
+        place, names = found.find_friction(joint)
+        at = place.start + next(k for k, name in enumerate(names) if name.startswith(SPRING))
+        return float(found.x[at]), float(np.sqrt(found.covariance[at, at]))
+
+
+def find_alternatives(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> Alternatives:
+    """Look for what is not improbable beside the answer.
+
+    Args:
+        equations: Of all joints.
+        fit: What was confirmed.
+        prior: How far the simulation is trusted.
+    """
+    own = fit_arm(fit.arm, equations, fit.model, prior, fit, steps=1)
+    glance = Glance(equations, own, prior)
+    best: dict[str, tuple[float, ArmModel]] = {}
+    for name, model in propose_models(own.arm, own.model):
+        gain = glance.measure_gain(model)
+        if gain > max(_NEARLY, best.get(name, (_NEARLY, model))[0]):
+            best[name] = gain, model
+    looked = {name: fit_arm(fit.arm, equations, one, prior, own, steps=LOOK_STEPS) for name, (_, one) in best.items()}
+    least = own.log_evidence + _IMPROBABLE
+    others = {name: one for name, one in looked.items() if one.log_evidence > least and is_physical(one, own)}
+    return Alternatives(own, others)
+
+
+def list_links_instead(equations: ArmEquations, own: ArmFit, prior: ArmPrior, joint: int) -> tuple[str, ...]:
+    """Links that explain the recording as well as the spring of a joint, were they far off.
+
+    Args:
+        equations: Of all joints.
+        own: The fit with the spring, with deviations as its rows promise them.
+        prior: How far the simulation is trusted.
+        joint: Number of the joint.
+    """
+    less = without_term(own.model, joint, SPRING)
+    models = {
+        name: replace(less, opened=less.opened | {i}) for i, name in enumerate(own.arm.links) if i not in less.opened
+    }
+    fits = {name: fit_arm(own.arm, equations, one, prior, own, steps=LOOK_STEPS) for name, one in models.items()}
+    return tuple(name for name, one in fits.items() if one.log_evidence > own.log_evidence + _IMPROBABLE)

@@ -1,0 +1,104 @@
+"""`--log FILE.mcap` of `run` and `calibrate`: what the joints did, what the model says of it, and what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from fricomp.errors import FricompError, ParameterError
+
+if TYPE_CHECKING:
+    from fricomp.calibration.sweep import Calibration
+    from fricomp.control import LoopResult
+    from fricomp.laws import FloatArray
+    from fricomp.model import FrictionModel
+
+__all__ = ["LogFile", "claim_log", "log_calibration", "log_run"]
+
+LogFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--log",
+        rich_help_panel="Output",
+        help="Write MCAP for Foxglove, rerun, PlotJuggler: motion, torque, the model's friction, the residual.",
+    ),
+]
+_GAP = 1.0
+"""Between two runs in one log [s]."""
+
+
+@contextmanager
+def claim_log(path: Path | None, *, overwrite: bool) -> Iterator[None]:
+    """Keep the log to this process, and refuse before anything moves what could not be written after it.
+
+    Raises:
+        ParameterError: The file would be no MCAP.
+        OutputError: It is there already, or another process writes it.
+        MissingExtraError: mcap is not installed.
+    """
+    if path is None:
+        yield
+        return
+    from fricomp.extras import require
+    from fricomp.results import claim_single_files
+
+    require("mcap")
+    if path.suffix != ".mcap":
+        raise ParameterError(f"--log {path}: the log is MCAP, give a name that ends in .mcap")
+    with claim_single_files([path], overwrite=overwrite):
+        yield
+
+
+def log_run(path: Path | None, results: Mapping[str, LoopResult], models: Sequence[FrictionModel]) -> None:
+    """Write the runs one after the other; nothing where no log is wanted."""
+    if path is None:
+        return
+    from fricomp.recording.mcap_file import write_mcap
+
+    logs = [result.log for result in results.values()]
+    starts = np.cumsum([0.0, *(float(log.time[-1]) + _GAP for log in logs)])
+    time = np.concatenate([log.time + start for log, start in zip(logs, starts, strict=False)])
+    references = ("position_reference", "velocity_reference")
+    names = ("position", "velocity", "torque", "torque_command", *references, "compensation")
+    joints = {}
+    for number, model in enumerate(models):
+        columns = {name: np.concatenate([log.signal(name)[:, number] for log in logs]) for name in names}
+        joints[model.joint] = columns | _compare(model, columns["velocity"], columns["torque"])
+    write_mcap(path, time, joints, {model.joint: _units(model) for model in models})
+
+
+def log_calibration(path: Path | None, calibration: Calibration) -> None:
+    """Write the whole sweep with the model that it gave; nothing where no log is wanted."""
+    if path is None:
+        return
+    from fricomp.recording.mcap_file import write_mcap
+
+    blocks, model = [samples for _, samples in calibration.data.blocks], calibration.model
+    shared = [name for name in blocks[0].channels if all(name in one.channels for one in blocks)]
+    columns = {name: np.concatenate([one.channels[name] for one in blocks]) for name in shared}
+    time = columns.pop("time")
+    torque = columns["torque"] - columns.get("load_torque", 0.0) - calibration.analysis.offset.value
+    velocity = columns.get("velocity")
+    more = {} if velocity is None else _compare(model, velocity, np.asarray(torque))
+    write_mcap(path, time, {model.joint: columns | more}, {model.joint: _units(model)})
+
+
+def _compare(model: FrictionModel, velocity: FloatArray, torque: FloatArray) -> dict[str, FloatArray]:
+    """Friction of the model at the measured velocity, and the torque less it; nothing of a model that needs more."""
+    try:
+        friction = np.asarray(model.torque(velocity), dtype=np.float64)
+    except FricompError:
+        return {}
+    return {"model": friction, "residual": torque - friction}
+
+
+def _units(model: FrictionModel) -> dict[str, str]:
+    torque, position = model.torque_unit, model.position_unit
+    of_torque = dict.fromkeys(("torque", "torque_command", "compensation", "model", "residual", "load_torque"), torque)
+    of_velocity = dict.fromkeys(("velocity", "velocity_reference"), f"{position}/s")
+    return {"position": position, "position_reference": position, "temperature": "°C"} | of_torque | of_velocity

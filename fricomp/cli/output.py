@@ -1,0 +1,141 @@
+"""How a command answers: `--quiet` and `--json` of every command, held in one place.
+
+`with_output_options` gives both to a command that has none of its own. While it runs, `console()` of
+`fricomp.cli.terminal` asks here where words go: to the terminal, nowhere (`--quiet`), or into what is kept for a
+program (`--json`). A command with an answer of its own prints that; of any other, what it says is the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from functools import wraps
+from typing import Any
+
+import typer
+
+__all__ = ["Said", "hearing", "print_json", "with_output_options"]
+
+
+@dataclass
+class Said:
+    """What a command has said so far, and how it is to answer.
+
+    Attributes:
+        quiet: Nothing is said but errors and, where it is asked for, JSON.
+        as_json: The answer is one JSON value, and nothing else stands on stdout.
+        answered: Whether the command has printed an answer of its own.
+        sentences: In order.
+        tables: Title, columns and rows, in order.
+    """
+
+    quiet: bool = False
+    as_json: bool = False
+    answered: bool = False
+    sentences: list[str] = field(default_factory=list)
+    tables: list[dict[str, Any]] = field(default_factory=list)
+
+
+_SAID: ContextVar[Said | None] = ContextVar("said", default=None)
+
+
+def hearing() -> Said:
+    """Of the command that runs now; what nobody hears outside of one."""
+    return _SAID.get() or Said()
+
+
+def with_output_options(command: Any) -> Any:
+    """A command, or each of a group, with `--json` and `--quiet`; given once, however often it is asked for."""
+    for each in getattr(command, "commands", {}).values():
+        with_output_options(each)
+    if hasattr(command, "commands") or any(one.name == "quiet" for one in command.params):
+        return command
+    own = {one.name for one in command.params}
+    given = [one for one in _make_options() if one.name not in own and (one.name != "json" or "as_json" not in own)]
+    # Before --help, which stands last where it is listed.
+    command.params = [*command.params, *given]
+    command.callback = _answering(command.callback, own)
+    command.format_help = _whole(command.format_help)
+    return command
+
+
+def _whole(format_help: Callable[..., None]) -> Callable[..., None]:
+    """Help in which no name of an option is cut."""
+
+    def formatted(*args: Any) -> None:
+        from fricomp.cli.help_table import whole_names
+
+        with whole_names():
+            format_help(*args)
+
+    return formatted
+
+
+def _make_options() -> list[Any]:
+    """Both options as typer builds them, by whichever version of it is installed."""
+    app = typer.Typer(add_completion=False)
+
+    @app.command()
+    def options(
+        json: bool = typer.Option(
+            False, "--json", rich_help_panel="Output", help="Print the answer as JSON, and nothing else on stdout."
+        ),
+        quiet: bool = typer.Option(
+            False, "--quiet", "-q", rich_help_panel="Output", help="Print errors alone, and JSON where it is asked for."
+        ),
+    ) -> None:
+        pass
+
+    return [one for one in typer.main.get_command(app).params if one.name in ("json", "quiet")]
+
+
+def _answering(callback: Callable[..., Any], own: set[str]) -> Callable[..., Any]:
+    """The function of a command, which takes both options and prints what was said as JSON where that is the answer."""
+
+    @wraps(callback)
+    def answer(*args: Any, **options: Any) -> Any:
+        quiet = bool(options.pop("quiet", False))
+        asked = options.get("as_json", False) if "as_json" in own else options.pop("json", False)
+        with _noting(Said(quiet, bool(asked))) as said:
+            try:
+                result = callback(*args, **options)
+            except typer.Exit:
+                _print_said(said)
+                raise
+            _print_said(said)
+            return result
+
+    return answer
+
+
+@contextmanager
+def _noting(said: Said) -> Iterator[Said]:
+    token = _SAID.set(said)
+    try:
+        yield said
+    finally:
+        _SAID.reset(token)
+
+
+def _print_said(said: Said) -> None:
+    if said.as_json and not said.answered:
+        print_json({"sentences": said.sentences, "tables": said.tables})
+
+
+def print_json(answer: Any) -> None:
+    """Print a value as JSON on stdout; a number that is not finite is null, as JSON has none.
+
+    Args:
+        answer: Mappings, sequences, dataclasses, msgspec structs, numbers, texts, paths.
+    """
+    import msgspec
+
+    hearing().answered = True
+    print(msgspec.json.format(msgspec.json.encode(answer, enc_hook=_encode)).decode())
+
+
+def _encode(value: Any) -> Any:
+    """Arrays and numbers of numpy as Python's own, anything else as its text."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)

@@ -1,0 +1,163 @@
+"""`fricomp watch`: how the friction of joints goes over weeks, what has changed, and when."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fricomp.cli.option.page import OpenPage, open_page
+from fricomp.cli.out_folder import Overwrite
+
+if TYPE_CHECKING:
+    from fricomp.calibration.history import JointHistory
+    from fricomp.report import ReportPage
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+EXIT_CHANGED = 1
+"""Exit status of --fail-if-changed where the last model of a joint differs from the one before."""
+
+
+@app.command(epilog="fricomp watch runs --out runs/watch.html --open\n\nfricomp watch runs --fail-if-changed --json")
+def watch(
+    folder: Annotated[
+        Path, typer.Argument(help="Folder with models (friction.json) of one joint or many, at any depth.")
+    ],
+    out: Annotated[Path | None, typer.Option(rich_help_panel="Output", help="Page to write (HTML).")] = None,
+    fail_if_changed: Annotated[
+        bool, typer.Option("--fail-if-changed", help="Exit status 1 where the last model of a joint shows a change.")
+    ] = False,
+    overwrite: Overwrite = False,
+    open_report: OpenPage = False,
+) -> None:
+    """Follow joints over many calibrations, identifications or diagnoses: trends with intervals, changes with dates.
+
+    A trend is the change of a parameter a day, with its 95 % interval, from three models on. A change is one between a
+    model and the one before, as fricomp compare tells it.
+    """
+    from fricomp.calibration.history import read_histories
+    from fricomp.cli.answer import answer
+    from fricomp.cli.terminal import console
+    from fricomp.errors import ParameterError
+    from fricomp.results import claim_single_files
+
+    if not folder.is_dir():
+        raise ParameterError(f"{folder} is no folder: give the one that the models lie in")
+    with claim_single_files([] if out is None else [out], overwrite=overwrite):
+        histories, left_out = read_histories(folder)
+        if not histories:
+            raise ParameterError(
+                f"{folder} holds no friction.json with a date: calibrate, identify or diagnose into it"
+            )
+        answer({"joints": [_as_answer(one) for one in histories], "left_out": left_out})
+        for history in histories:
+            _print(history)
+        for reason in left_out:
+            console(stderr=True).print(f"Left out: {reason}", soft_wrap=True)
+        if out is not None:
+            from fricomp.report import write_report
+
+            write_report(_build_page(histories), out)
+            console().print(f"Page {out}", soft_wrap=True)
+            open_page(out, wanted=open_report)
+    if fail_if_changed and any(one.comparisons and _has_changed(one, -1) for one in histories):
+        raise typer.Exit(EXIT_CHANGED)
+
+
+def _has_changed(history: JointHistory, number: int) -> bool:
+    found = history.comparisons[number]
+    return found is not None and found.changed
+
+
+def _tell_changes(history: JointHistory) -> list[tuple[str, str]]:
+    """Date of each model that differs from the one before, and in what."""
+    told = []
+    for kept, found in zip(history.models[1:], history.comparisons, strict=True):
+        if found is not None and found.changed:
+            names = [change.name.removeprefix("stribeck.") for change in found.significant]
+            terms = [*(f"new {name}" for name in found.added), *(f"without {name}" for name in found.removed)]
+            told.append(
+                (f"{kept.when:%Y-%m-%d %H:%M}", ", ".join([*names, *terms]) or "no single parameter stands out")
+            )
+    return told
+
+
+def _list_rows(history: JointHistory) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    for trend in history.trends:
+        reach = f" ± {trend.reach:.2g}" if trend.reach < float("inf") else ""
+        slope = f"{trend.slope:+.3g}{reach}" if reach else "–"
+        mark = "yes" if trend.is_significant else "no"
+        name = trend.name.removeprefix("stribeck.")
+        rows.append((name, f"{trend.values[0]:.4g}", f"{trend.values[-1]:.4g}", trend.unit, slope, mark))
+    return rows
+
+
+_HEADS = ("parameter", "first", "last", "unit", "change a day, 95 %", "beyond chance")
+
+
+def _make_title(history: JointHistory) -> str:
+    days = history.trends[0].days[-1] if history.trends else 0.0
+    return f"Joint {history.joint}: {len(history.models)} models over {days:.3g} days"
+
+
+def _print(history: JointHistory) -> None:
+    from fricomp.cli.terminal import Table, console
+
+    table, screen = Table(*_HEADS, title=_make_title(history)), console()
+    for row in _list_rows(history):
+        table.add_row(*row)
+    screen.print(table)
+    changes = _tell_changes(history)
+    for when, what in changes:
+        screen.print(f"Changed at {when} UTC: {what}.", style="yellow")
+    if not changes:
+        screen.print("No change from one model to the next.")
+
+
+def _as_answer(history: JointHistory) -> dict[str, Any]:
+    temperatures = history.temperatures.tolist()
+    return {
+        "joint": history.joint,
+        "models": [
+            {"file": kept.path, "when": kept.when.isoformat(), "temperature": at}
+            for kept, at in zip(history.models, temperatures, strict=True)
+        ],
+        "trends": [
+            {
+                "name": one.name, "unit": one.unit, "values": one.values, "standard_deviations": one.deviations,
+                "days": one.days, "slope": one.slope, "reach": one.reach, "significant": one.is_significant,
+            }
+            for one in history.trends
+        ],
+        "changes": [{"when": when, "what": what} for when, what in _tell_changes(history)],
+    }  # fmt: skip
+
+
+def _build_page(histories: tuple[JointHistory, ...]) -> ReportPage:
+    import numpy as np
+
+    from fricomp.calibration.history import draw_history
+    from fricomp.report import ReportPage, Section, Table
+
+    sections, moved = [], []
+    for history in histories:
+        changes = _tell_changes(history)
+        blocks: list[Any] = [Table(_HEADS, tuple(_list_rows(history)))]
+        blocks += [f"Changed at {when} UTC: {what}." for when, what in changes]
+        if history.trends:
+            blocks.append(draw_history(history))
+            if np.isfinite(history.temperatures).sum() > 1:
+                blocks.append(draw_history(history, over_temperature=True))
+        sections.append(Section(_make_title(history), tuple(blocks)))
+        if changes or any(trend.is_significant for trend in history.trends):
+            moved.append(history.joint)
+    said = f"Changed or drifting: {', '.join(moved)}." if moved else "No joint has changed or drifts beyond chance."
+    return ReportPage(
+        f"{len(histories)} joint{'s' if len(histories) > 1 else ''} over time", (said,), tuple(sections),
+        outcome="warning" if moved else "passed", verdict="Changes" if moved else "No change",
+    )  # fmt: skip

@@ -1,0 +1,88 @@
+"""Numbers that recordings do not determine: what they may be is more than they are, and makes a difference."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..effects.effect import EffectParameter
+from ..effects.settings import EFFECT
+from ..inputs.track import FloatArray
+from ..joint.base import BASE_NAMES
+from ..record.result import Quantity
+from .refitted import RefittedJoint
+from .settings import UNDETERMINED
+
+__all__ = ["list_undetermined"]
+
+_LARGEST = 100.0
+"""Logarithm of a factor from which on it is without end."""
+
+_PHASE = ("sine", "cosine")
+"""Parts of a wave, of which one may be zero without the other being so."""
+
+
+def list_undetermined(refitted: RefittedJoint, units: tuple[str, str]) -> tuple[str, ...]:
+    """Names of the numbers of body and friction, and of effects as `effect.number`, that are not determined.
+
+    Args:
+        refitted: The joint that the verdict is about.
+        units: Of torque and of position.
+    """
+    found = [name for name, size in _measure_sizes(refitted).items() if _is_open(refitted, name, size)]
+    for owner in refitted.structure.names:
+        numbers = refitted.list_parameters(owner, *units)
+        own = [one for name, one in refitted.structure.parameters if name == owner]
+        found += [f"{owner}.{one.name}" for one in own if _is_open_of_effect(one, numbers)]
+    return tuple(found)
+
+
+def _measure_sizes(refitted: RefittedJoint) -> dict[str, float]:
+    """Torque that a unit of each number makes in these motions, over the deviation of the recorded torque.
+
+    That of the inertia plays no part: a simulation needs its value, however little torque it makes.
+    """
+    contexts = refitted.structure.contexts
+    position: FloatArray = np.concatenate([one.position for one in contexts])
+    velocity: FloatArray = np.concatenate([one.velocity for one in contexts])
+    recorded = max(float(np.std(np.concatenate([one.recorded for one in contexts]))), 1e-300)
+    columns: dict[str, FloatArray] = {"offset": np.ones(position.size)}
+    if contexts[0].rotary:
+        columns |= {"gravity_cos": np.cos(position), "gravity_sin": np.sin(position)}
+    for side, rows in (("forward", velocity > 0.0), ("reverse", velocity < 0.0)):
+        columns[f"{side}.coulomb_torque"] = rows.astype(np.float64)
+        columns[f"{side}.viscous_coefficient"] = np.where(rows, velocity, 0.0)
+    sizes = {name: float(np.sqrt(np.mean(column**2))) / recorded for name, column in columns.items()}
+    return {"inertia": np.inf, **sizes}
+
+
+def _is_open(refitted: RefittedJoint, name: str, size: float) -> bool:
+    """Whether a number of the base is not determined by the fit alone.
+
+    How a constant torque and a difference between the directions share their sum is a matter of presliding in any
+    recording, and is told by the intervals.
+    """
+    if name == "inertia":
+        factor = 1.96 * float(refitted.deviations[BASE_NAMES.index("log_inertia")])
+        return bool(np.sinh(min(factor, _LARGEST)) > UNDETERMINED.ratio)
+    index = BASE_NAMES.index(name)
+    half, value = 1.96 * float(refitted.deviations[index]), abs(float(refitted.fit.theta[index]))
+    return half > UNDETERMINED.ratio * value and half * size > UNDETERMINED.matters
+
+
+def _is_open_of_effect(parameter: EffectParameter, numbers: Mapping[str, Quantity]) -> bool:
+    """Whether a number of an effect may be nearly all that is looked for, or twice and next to nothing of itself."""
+    if parameter.name in _PHASE or parameter.scale <= 0.0:
+        return False
+    quantity = numbers[parameter.name]
+    (low, high), value = quantity.ci95, quantity.value
+    if parameter.logarithmic or parameter.lower >= 0.0:
+        known = np.isfinite(high) and 0.5 * (high - low) <= UNDETERMINED.ratio * abs(value)
+        if not known:
+            return True
+    if max(-parameter.lower, parameter.upper) >= EFFECT.unbounded:
+        return False
+    if parameter.logarithmic:
+        low, high = np.log(max(low, 1e-300)), np.log(max(high, 1e-300))
+    return bool(high - low >= UNDETERMINED.domain * (parameter.upper - parameter.lower))

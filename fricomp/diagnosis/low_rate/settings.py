@@ -1,0 +1,71 @@
+"""Numbers that decide in this stage, each with its reason and what moves with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["LOW_RATE", "LowRateSettings"]
+
+
+@dataclass(frozen=True)
+class LowRateSettings:
+    """How recordings are diagnosed that are too slow for the rows of the residual."""
+
+    longest_period: float = 1.0 / 60.0
+    """Sample period above which this stage takes over [s]. The rows of the residual see 42 ms: with fewer than three
+    samples in them the simulated joint is interpolation."""
+    matters: float = 0.05
+    """Part of the held-out energy by which an effect has to lower the error. A smaller gain is no reason to change a
+    simulation, and slight forms of friction that a Coulomb and viscous curve lacks give as much."""
+    of_friction: float = 0.03
+    """Torque of an effect, in that of the sliding friction, below which it is none: numbers of plain joints stray by as
+    much, since the delay is known to a part of a sample alone."""
+    agreeing: float = 0.75
+    """Part of the blocks of time in which the error has to fall; by chance it is a half."""
+    ripple_matters: float = 0.08
+    """The same part for a ripple, which is the best of many orders."""
+    orders_of_range: float = 3.0
+    """Waves in the range of the position, from which on a wave is a ripple and no gravity or offset."""
+    repeated: float = 0.15
+    """Part of the rows in motion that repeat the position of the one before, above which its readings come more slowly
+    than the rows: what they are late by looks like physics, and nothing is named."""
+    neighbours: int = 4
+    """Rows to both sides over which a joint has to move, for a row between to be in motion."""
+    order_steps: float = 0.25
+    """Step of the orders that are tried, in waves over the range."""
+    most_orders: int = 4000
+    """Orders that are tried at most."""
+    of_band: float = 0.8
+    """Part of the band in which the waves of a ripple have to pass at the usual speed."""
+    load_matters: float = 2.0
+    """Gravity over what the base leaves, below which a load does not show."""
+    usual_delays: tuple[float, ...] = (-0.5, -0.25, 0.0, 0.25, 0.5)
+    """Delays of the torque that no log tells from none, in sample periods: a command is held for a sample, a reading is
+    of some instant in it. The best is the plain joint's."""
+    delays: tuple[float, ...] = (-2.0, -1.5, -1.0, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
+    """Delays that are tried beside it, in sample periods."""
+    delay_steps: tuple[float, ...] = (0.125, 0.0625)
+    """Steps by which the best of them is looked for in the end, in sample periods."""
+    noise_ratio: float = 1.5
+    """What is left over the noise floor, from which on something is missing."""
+    unexplained: float = 0.1
+    """Part of the torque's deviation that has to be left besides, for something to be missing: at these rates the noise
+    of a torque is told from few samples."""
+    draws: int = 20
+    """Draws of noise that its size in the band is the mean of."""
+    certain: float = 2.3
+    """Half a 95 % interval in standard deviations from the folds, of which there are few."""
+    form: float = 0.02
+    """Relative deviation of a number beside that from the folds: what a delay that is known to a part of a sample, and
+    the straight lines between samples, leave in it. On simulated joints numbers strayed by up to 3 %."""
+    order_known: float = 0.02
+    """The same of an order, in waves over the range of the position."""
+    blocks: int = 20
+    """Blocks of time whose errors are drawn for the interval of the gain."""
+    resamples: int = 400
+    """Draws of these blocks."""
+    matters_given: float = 0.1
+    """Part by which inertia or gravity have to differ from the simulation's, to be told."""
+
+
+LOW_RATE = LowRateSettings()

@@ -1,0 +1,83 @@
+"""The answer in short: what is wrong, where, what it is, what to do; for a terminal, made from the record alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from .result import FRICTION_CHANGES, DiagnosisRecord, NamedEffect, VerdictName
+
+__all__ = ["write_summary"]
+
+_TO_DO: Final[dict[VerdictName, str]] = {
+    "consistent": "take the friction from friction.json. What this motion does not excite, it does not show.",
+    "parameters": "take the refitted values over into the simulation.",
+    "measurement": "mend the signal, or take it into account where the log is read; then record and diagnose again.",
+    "missing_physics": "put the equation into the simulation, or compensate with friction.json (after fricomp "
+    "check-loop).",
+    "unknown_physics": "add no effect, but look at the joint there; friction.json holds what is known.",
+    "bad_data": "mend what these sentences name and record or convert anew; no model was written.",
+}
+_UNSURE = " is not named: "
+
+
+def write_summary(
+    record: DiagnosisRecord, opening: str, lead: Sequence[str], where: str, gain: str, facts: Sequence[str]
+) -> tuple[str, ...]:
+    """Sentences in which a newcomer reads what is wrong, where it shows, what to do, and what it is.
+
+    Args:
+        record: Everything else.
+        opening: The verdict in a sentence.
+        lead: What was found to stand right behind it.
+        where: Where the mismatch sits; empty where nobody looked.
+        gain: What the written models are worth; empty where none is written.
+        facts: What else the sentences of the answer say.
+    """
+    to_do = f"To do: {_say_what_to_do(record)}"
+    if record.verdict == "bad_data":
+        return (opening, *lead, *facts, to_do)
+    careful = (fact for fact in facts if "Careful: " in fact)
+    explained = map(_explain, record.effects)
+    lines = (_name_all(opening, record.effects), where, to_do, *lead, *explained, _list_other_changes(record), gain)
+    return tuple(line for line in (*lines, _doubt(facts), *careful) if line)
+
+
+def _name_all(opening: str, effects: Sequence[NamedEffect]) -> str:
+    names = ", ".join(effect.name for effect in effects)
+    return f"{opening.rstrip('.')}: {names}." if names else opening
+
+
+def _explain(effect: NamedEffect) -> str:
+    text = f"{effect.name}: {effect.sentence}{f' [{effect.equation}]' if effect.equation else ''}."
+    others = " or ".join(effect.indistinguishable_from)
+    return f"{text} This recording cannot tell it from {others}." if others else text
+
+
+def _list_other_changes(record: DiagnosisRecord) -> str:
+    """Parameters that are off beside what was named; where nothing was, they are the answer and stand in a table."""
+    moved = [one for one in record.changes if one.name not in FRICTION_CHANGES] if record.effects else []
+    told = (
+        f"{one.name.replace('_', ' ')} {one.refitted.value:.3g} {one.refitted.unit}, not {one.given:.3g}"
+        for one in moved
+    )
+    return f"Off in the simulation as well: {'; '.join(told)}." if moved else ""
+
+
+def _doubt(facts: Sequence[str]) -> str:
+    """Names that came up and are not among the effects, by the sentences that say why."""
+    names = [fact.partition(_UNSURE)[0] for fact in facts if _UNSURE in fact]
+    return f"Came up, but too unsure to be named: {', '.join(names)}." if names else ""
+
+
+def _say_what_to_do(record: DiagnosisRecord) -> str:
+    if record.verdict == "missing_physics" and all(effect.kind == "measurement" for effect in record.effects):
+        return _TO_DO["measurement"]
+    if record.verdict == "missing_physics" and not record.base:  # no motion that shows the joint, and so no model
+        return "put the equation into the simulation; no friction model was written."
+    if record.errors is not None and record.errors.gets_worse:
+        return (
+            "look at the joint there, and compensate with none of this: on data left out the model with what is named "
+            "is no better than that without."
+        )
+    return _TO_DO[record.verdict]

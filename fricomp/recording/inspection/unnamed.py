@@ -1,0 +1,219 @@
+"""What columns without names look like, and a mapping to edit: which one rises as a time, which follow each other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.checks.torque_causes import fit_joint
+from fricomp.recording.named.source import read_layout
+from fricomp.recording.recording import Recording
+from fricomp.recording.sources import is_text
+from fricomp.recording.validity import Samples
+
+__all__ = ["Guess", "GuessedJoint", "guess_columns", "render_guess"]
+
+_EVENLY = 0.95
+"""Part of the steps of a time that are above zero."""
+_FOLLOWS = 0.9
+"""Correlation of a column with the rate of another one, from which on it is a velocity of it."""
+_BLOCKS = 2000
+"""Averages of a column that are compared: single samples of an encoder tell no rate."""
+_EXPLAINED = 0.3
+"""Part of a torque's variance that inertia, friction and gravity of the motion explain at least."""
+_MOST_JOINTS = 12
+_UNSEEN = tuple(f"{one} = {{ column = WHICH }}  # not seen in the numbers" for one in ("position", "torque"))
+_FACTORS = tuple(k**sign for k in (1.0, 57.296, 9.5493, 6.2832, 1000.0, 60.0) for sign in (1, -1))
+"""How much faster a position moves than its velocity says, where the units of both are in use: rad, deg, turns, rpm."""
+_NEAR = 0.08
+"""Relative distance within which it is one of them."""
+_SAME = 0.995
+"""Correlation of two columns from which on both are the position: asked for and measured, of motor and joint."""
+_MOST_TRIED = 8
+"""Columns of which each is tried as the position where none is the rate of another one."""
+_NANOSECONDS = 1e9
+_TIME_STEPS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"))
+
+
+class GuessedJoint(NamedTuple):
+    """Columns that belong together.
+
+    Attributes:
+        position: Name of a column.
+        velocity: Of the one that is its rate.
+        torque: Of the one that inertia, friction and gravity explain best; empty where none is.
+        scale: Rate of the position over the velocity [1].
+    """
+
+    position: str
+    velocity: str
+    torque: str
+    scale: float
+
+
+class Guess(NamedTuple):
+    """What columns without names may hold.
+
+    Attributes:
+        time: Name of the column that rises; empty where none does.
+        unit: Of it.
+        joints: In the order of their positions.
+        nanoseconds: Name of the column beside one of whole seconds; empty where the time is one column.
+    """
+
+    time: str
+    unit: str
+    joints: tuple[GuessedJoint, ...]
+    nanoseconds: str = ""
+
+
+def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = ()) -> Guess:
+    """Guess the time, and pairs of position and velocity, with the torque that moves them.
+
+    Args:
+        columns: By name; shape (n_rows,) each.
+        known: Names of those that are something else than a torque.
+    """
+    rows = max((values.size for values in columns.values()), default=0)
+    whole = {name: values for name, values in columns.items() if values.size == rows and np.ptp(_finite(values)) > 0.0}
+    time, unit, seconds, nanoseconds = _find_time(whole)
+    if not time:
+        return Guess("", "s", ())
+    used = (time, nanoseconds)
+    others = {name: values for name, values in whole.items() if name not in used and np.isfinite(values).all()}
+    pairs = _find_pairs(seconds, others)[:_MOST_JOINTS]
+    taken = {name for pair in pairs for name in pair[:2]} | set(known)
+    left = {name: values for name, values in others.items() if name not in taken}
+    joints = [
+        GuessedJoint(position, velocity, _find_torque(seconds, others[position], left)[0], scale)
+        for position, velocity, scale in pairs
+    ] or _find_without_velocity(seconds, others, left)
+    in_order = tuple(sorted(joints, key=lambda one: list(columns).index(one.position)))
+    return Guess(time, unit, in_order, nanoseconds)
+
+
+def _find_time(columns: Mapping[str, Samples]) -> tuple[str, str, Samples, str]:
+    """Name, unit and values [s] of the time, and the name of its nanoseconds; an empty name where none rises."""
+    for name, values in columns.items():
+        if _is_time(values):
+            step = float(np.median(np.diff(values)))
+            unit = next((one for most, one in _TIME_STEPS if step <= most), "ns")
+            return name, unit, (values - values[0]) * {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], ""
+    names = list(columns)
+    for first, second in pairwise(names):
+        whole, part = columns[first], columns[second]
+        if np.isfinite(part).all() and part.min() >= 0.0 and part.max() < _NANOSECONDS and part.max() > 1e8:
+            both = (whole - whole[0]) + part / _NANOSECONDS
+            if np.all(whole == np.round(whole)) and _is_time(both):
+                return first, "s", both, second
+    return "", "s", np.zeros(0), ""
+
+
+def _find_without_velocity(
+    time: Samples, columns: Mapping[str, Samples], torques: Mapping[str, Samples]
+) -> list[GuessedJoint]:
+    """The pair of columns of which one is explained best as the torque that moves the other."""
+    if len(columns) > _MOST_TRIED:
+        return []
+    tried = {
+        name: _find_torque(time, values, {k: v for k, v in torques.items() if k != name})
+        for name, values in columns.items()
+    }
+    best = max(tried, key=lambda name: tried[name][1], default="")
+    return [GuessedJoint(best, "", tried[best][0], 1.0)] if best and tried[best][0] else []
+
+
+def _finite(values: Samples) -> Samples:
+    finite = values[np.isfinite(values)]
+    return finite if finite.size else np.zeros(1)
+
+
+def _is_time(values: Samples) -> bool:
+    if values.size < 10 or not np.isfinite(values).all():
+        return False
+    steps = np.diff(values)
+    return bool(np.mean(steps > 0.0) > _EVENLY and np.abs(steps).max() < 0.5 * np.ptp(values))
+
+
+def _find_pairs(time: Samples, columns: Mapping[str, Samples]) -> list[tuple[str, str, float]]:
+    """Position, velocity, and how much faster the former moves than the latter says; the surest pairs first."""
+    width = max(3, time.size // _BLOCKS)
+    count = time.size // width
+    if count < 20 or len(columns) < 2:
+        return []
+    names = list(columns)
+    blocks = np.stack([columns[name][: count * width].reshape(count, width).mean(axis=1) for name in names])
+    middle = time[: count * width].reshape(count, width).mean(axis=1)
+    rates = np.gradient(blocks, middle, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        together = np.nan_to_num(np.corrcoef(rates, blocks)[: len(names), len(names) :])
+    found: list[tuple[str, str, float]] = []
+    for at in np.argsort(-together, axis=None):
+        a, b = np.unravel_index(at, together.shape)
+        if together[a, b] < _FOLLOWS:
+            break
+        if a != b and not any(names[k] in pair[:2] for pair in found for k in (a, b)):
+            scale = float(rates[a] @ blocks[b] / (blocks[b] @ blocks[b]))
+            if any(abs(scale / factor - 1.0) < _NEAR for factor in _FACTORS):
+                found.append((names[a], names[b], scale))
+    return found
+
+
+def _find_torque(time: Samples, position: Samples, columns: Mapping[str, Samples]) -> tuple[str, float]:
+    """The column that a rigid joint with friction explains best as its torque, and the part that it explains."""
+    best, chosen = _EXPLAINED, ""
+    for name, values in columns.items():
+        if abs(np.corrcoef(values, position)[0, 1]) > _SAME:
+            continue
+        try:
+            fit = fit_joint(Recording(time, position, values))
+        except RecordingError:
+            continue
+        if fit is not None and fit.can_be and fit.explained > best:
+            best, chosen = fit.explained, name
+    return chosen, best if chosen else 0.0
+
+
+def render_guess(path: Path, guess: Guess, *, numbered: bool) -> str:
+    """A mapping to edit.
+
+    Args:
+        path: The log.
+        guess: What its columns may hold.
+        numbered: Whether they have numbers, and no names.
+    """
+
+    def column(name: str) -> str:
+        return name if numbered else json.dumps(name, ensure_ascii=False)
+
+    layout = read_layout(path) if path.is_file() and is_text(path) else None
+    lines = [f"# {path.name}: a guess by what the numbers do; the names of its columns do not say. Correct it.", ""]
+    if layout is not None:
+        lines += ["[source]", "header = false", f"delimiter = {json.dumps(layout.delimiter)}"]
+        lines += [f"skip_lines = {layout.rows_line}"] if layout.rows_line else []
+        lines += [] if layout.delimiter == "," else ['decimal = ","  # "." where numbers have points']
+        lines += [""]
+    lines += ["[metadata]", 'torque_unit = "N·m"  # "A" of a current, "N" of a force, "V" of a voltage']
+    lines += ['motion = "rotary"  # "linear" of a slide', "", "[channels]"]
+    if guess.time:
+        rest = f", nanoseconds = {column(guess.nanoseconds)}" if guess.nanoseconds else ""
+        lines += [f'time = {{ column = {column(guess.time)}, unit = "{guess.unit}"{rest}, from_zero = true }}']
+    else:
+        lines += ["time = { rate = 500 }  # rows a second"]
+    several = len(guess.joints) > 1
+    for number, joint in enumerate(guess.joints, start=1):
+        lines += ["", "[[joints]]", f'name = "joint_{number}"'] if several else []
+        before = "channels." if several else ""
+        off = abs(joint.scale - 1.0) > 0.2
+        remark = f"  # moves {joint.scale:.4g} times as far as the velocity says: another unit?" if off else ""
+        lines += [f"{before}position = {{ column = {column(joint.position)} }}{remark}"]
+        lines += [f"{before}velocity = {{ column = {column(joint.velocity)} }}"] if joint.velocity else []
+        lines += [f"{before}torque = {{ column = {column(joint.torque)} }}" if joint.torque else before + _UNSEEN[1]]
+    lines += [] if guess.joints else list(_UNSEEN)
+    return "\n".join(lines) + "\n"

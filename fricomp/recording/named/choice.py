@@ -1,0 +1,135 @@
+"""Which column of a log is which channel of which joint, by the names and by what the user says of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.validity import Samples
+
+from .column import ColumnMeaning, name_joint, read_column_name, simplify_joint
+from .vendor import with_vendor_unit
+
+__all__ = ["INTEGRAL", "TORQUES", "Chosen", "choose_columns", "list_names"]
+
+Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
+"""Column and its meaning, by what is left of the column's name for the joint, and by channel."""
+_Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
+
+INTEGRAL = ""
+"""Name of the column of a position that is the integral of the velocity."""
+TORQUES = ("torque", "current", "load_torque", "torque_command")
+"""What may stand for the torque, in this order."""
+
+
+def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> Chosen:
+    """The columns of each joint that has a position, or a velocity where nothing has one.
+
+    Args:
+        path: Of the file, for messages.
+        columns: All columns by name; shape (n_rows,) each.
+        channels: Column by channel where several could be one.
+
+    Raises:
+        RecordingError: A column that was asked for is missing, or two could be the same.
+    """
+    candidates = _find_candidates(path, columns, channels)
+    wanted = _choose_joints(candidates)
+    chosen = {
+        joint: {channel: _choose_one(path, channel, found) for channel, found in own.items()}
+        for joint, own in wanted.items()
+    }
+    return {joint: _with_position(own) for joint, own in chosen.items()}
+
+
+def list_names(names: Iterable[str]) -> str:
+    """The first names of many."""
+    names = list(names)
+    return ", ".join(names[:20]) + (" …" if len(names) > 20 else "")
+
+
+def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> _Candidates:
+    candidates: _Candidates = {}
+    asked = {name: meaning for name in columns for meaning in [_match_asked(name, channels)] if meaning}
+    missing = sorted(set(channels) - {meaning.channel for meaning in asked.values()})
+    if missing:
+        raise RecordingError(
+            f"{path} has no column {channels[missing[0]]!r} for --channel {missing[0]}: it has {list_names(columns)}"
+        )
+    for name, values in columns.items():
+        meaning = asked.get(name) or read_column_name(name)
+        if meaning is None or (meaning.channel in channels and name not in asked) or not np.isfinite(values).any():
+            continue
+        meaning = with_vendor_unit(name, meaning, columns)
+        own = candidates.setdefault(simplify_joint(meaning.joint), {})
+        own.setdefault(meaning.channel, []).append((name, meaning))
+    return candidates
+
+
+def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None:
+    """What a column is by what the user said of it."""
+    for channel, wanted in channels.items():
+        pattern = re.escape(wanted).replace(re.escape("{joint}"), "(.+)")
+        pattern = pattern if "{joint}" in wanted else f"{pattern}(?:[:_.\\[]?(\\d+)\\]?)?"
+        match = re.fullmatch(pattern, name)
+        if match:
+            meaning = read_column_name(name)
+            return ColumnMeaning(channel, match.group(1) or "", 3, meaning.unit if meaning else "")
+    return None
+
+
+def _choose_joints(candidates: _Candidates) -> _Candidates:
+    """The joints that are meant: those with names of their own; of one joint alone the columns may name none."""
+    named = {joint: own for joint, own in candidates.items() if joint and "position" in own}
+    if any(_is_complete(own) for own in named.values()):
+        return named
+    alone = candidates.get("", {})
+    if _is_complete(alone):
+        return {"": alone}
+    for channel in ("position", "motor_position", "velocity"):
+        moved = [joint for joint, own in candidates.items() if channel in own]
+        if len(moved) == 1:
+            return {moved[0]: _gather(candidates, moved[0])}
+        if moved:
+            return {joint: candidates[joint] for joint in moved}
+    return {}
+
+
+def _is_complete(own: Mapping[str, object]) -> bool:
+    return "position" in own and ("torque" in own or "current" in own)
+
+
+def _gather(candidates: _Candidates, joint: str) -> dict[str, list[tuple[str, ColumnMeaning]]]:
+    """All channels of the only joint that moves: what its columns do not have is taken from those of other names."""
+    own = dict(candidates[joint])
+    for other, channels in candidates.items():
+        for channel, found in channels.items():
+            if other != joint and channel not in candidates[joint]:
+                own[channel] = own.get(channel, []) + found
+    return own
+
+
+def _choose_one(path: Path, channel: str, found: Sequence[tuple[str, ColumnMeaning]]) -> tuple[str, ColumnMeaning]:
+    """The column that says the most surely that it was measured."""
+    most = max(meaning.certainty for _, meaning in found)
+    best = [one for one in found if one[1].certainty == most]
+    if len(best) > 1 and channel in ("position", "torque"):
+        joint = best[0][1].joint
+        whose = f" of joint {name_joint(joint)}" if joint and len({one.joint for _, one in best}) == 1 else ""
+        raise RecordingError(
+            f"{path}: {' and '.join(repr(name) for name, _ in best)} could each be the {channel}{whose}: choose by "
+            f"--channel {channel}=NAME"
+        )
+    return best[0]
+
+
+def _with_position(own: dict[str, tuple[str, ColumnMeaning]]) -> dict[str, tuple[str, ColumnMeaning]]:
+    """With the integral of the velocity where there is no position and no motor's."""
+    if "position" in own or "motor_position" in own or "velocity" not in own:
+        return own
+    meaning = own["velocity"][1]
+    return {"position": (INTEGRAL, ColumnMeaning("position", meaning.joint, 0, "")), **own}

@@ -1,0 +1,119 @@
+"""The column of time of a log, its unit, and the time of its rows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.unit import find_unit
+from fricomp.recording.validity import Samples
+
+from .choice import list_names
+
+__all__ = ["NANOSECONDS", "RowTimes", "find_stamps", "read_times"]
+
+_TIME = re.compile(
+    r"^(.*[/_. ])?(t|ts|time|times|timestamps?|time stamps?|stamps?|elapsed|__time|date[_/ ]?time|clock|zeit"
+    r"|zeitstempel|temps|tiempo|tempo|x_value)"
+    r"((_in_|\s+in\s+|[_\s\[(]*)(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|hh:mm:ss.*)[\])]?)?$"
+    r"|^(secs?|seconds|t?ms|millis|micros|t?us)$",
+    re.IGNORECASE,
+)
+_SAID = re.compile(
+    r"(?<![a-z])(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min)[\])]?$", re.IGNORECASE
+)
+_SPELLED = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "msecs": "ms", "milliseconds": "ms", "µs": "us"}
+_SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns"}
+_SECONDS = re.compile(r"^(.*?)(secs?|seconds)$", re.IGNORECASE)
+_PARTS = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
+"""What the rest of a stamp is called, in whose name that of its seconds is changed."""
+_TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
+"""Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
+
+_MOSTLY = 0.05
+"""Part of the rows whose time must come later for a column to be one; stamps of a coarse clock are held for many."""
+
+NANOSECONDS = " + 1e-9 "
+"""Between the names of two columns that are one time: seconds and nanoseconds."""
+
+
+class RowTimes(NamedTuple):
+    """When the rows of a log were taken.
+
+    Attributes:
+        column: Its name, or those of seconds and nanoseconds with `NANOSECONDS` between.
+        unit: Of the column, by name.
+        time: Since the first row [s]. Shape (n_rows,).
+    """
+
+    column: str
+    unit: str
+    time: Samples
+
+
+def find_stamps(columns: Iterable[str]) -> list[str]:
+    """Names of columns that are called as times, the plainest first."""
+    return sorted((name for name in columns if _TIME.match(name)), key=lambda name: (len(name), name))
+
+
+def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
+    """The time of the rows, from the column that is called as one.
+
+    Args:
+        path: Of the file, for messages.
+        columns: All columns by name; shape (n_rows,) each.
+
+    Raises:
+        RecordingError: No column is, or it holds no times.
+    """
+    names = sorted(find_stamps(columns), key=lambda name: not _rises(columns[name]))
+    if not names:
+        split = _find_split_stamp(columns)
+        if split is not None:
+            seconds, rest = columns[split[0]], columns[split[1]]
+            return RowTimes(NANOSECONDS.join(split), "s", (seconds - seconds[0]) + 1e-9 * (rest - rest[0]))
+        raise RecordingError(
+            f"{path} has no column of time: its columns are {list_names(columns)}. Call it time [s], or give the "
+            "rate of its rows: 'fricomp convert LOG --row-rate 500 --out joint.csv' where 500 rows come a second"
+        )
+    time = columns[names[0]]
+    finite = time[np.isfinite(time)]
+    if finite.size < 2:
+        raise RecordingError(
+            f"{path}: the column {names[0]!r} holds no times that are read: write seconds, or dates such as "
+            "2026-03-05T10:11:12.345"
+        )
+    said = _read_unit(names[0])
+    steps = np.abs(np.diff(finite))
+    step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
+    unit = said or next(one for most, one in _TIME_UNITS if step <= most)
+    return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _rises(values: Samples) -> bool:
+    """Whether most of the rows come after the one before: a counter of cycles or a period does not."""
+    steps = np.diff(values[np.isfinite(values)])
+    return bool(steps.size) and float(np.mean(steps > 0.0)) > _MOSTLY
+
+
+def _read_unit(name: str) -> str:
+    """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
+    said = _SAID.search(name)
+    if said is None or said.start() == 0:
+        return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
+    return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
+
+
+def _find_split_stamp(columns: Mapping[str, Samples]) -> tuple[str, str] | None:
+    """The columns of seconds and of nanoseconds that are one stamp."""
+    for name in columns:
+        match = _SECONDS.match(name)
+        for part in _PARTS if match else ():
+            if match and match.group(1) + part in columns:
+                return name, match.group(1) + part
+    return None

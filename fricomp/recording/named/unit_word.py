@@ -1,0 +1,157 @@
+"""Units as the names of columns write them: in brackets, or behind the word of the quantity."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from fricomp.recording.unit import UNITS
+
+__all__ = ["UNKNOWN_UNIT", "UnitWord", "find_unit_words", "kind_of_unit", "read_unit", "unit_for"]
+
+UNKNOWN_UNIT = "?"
+"""Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
+
+_SPELLED = {
+    "deg": "deg degree degrees grad mdeg=mdeg mrad=mrad rad=rad radian=rad radians=rad",
+    "turns": "turn turns rev revs revolution revolutions",
+    "m": "m mm=mm cm=cm um=um inch=in in=in",
+    "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s",
+    "rpm": "rpm 1/min u/min rev/min r/min min^-1",
+    "turns/s": "turns/s turn/s rev/s rps hz",
+    "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s",
+    "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
+    "Nm": "nm n·m mnm=mNm mn·m=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm",
+    "kgf·cm": "kgf·cm kg·cm kgfcm kgcm",
+    "in·lbf": "in·lbf in·lb lbf·in lb·in inlbf inlb lbin lbfin",
+    "ft·lbf": "ft·lbf ft·lb lbf·ft lb·ft ftlbf ftlb lbft lbfft",
+    "oz·in": "oz·in ozf·in in·oz in·ozf ozin ozfin inoz",
+    "N": "n kn=kN lbf=lbf kgf=kgf kip=kip",
+    "A": "a ma=mA amp=A amps=A ampere=A",
+    "V": "v mv=mV volt=V volts=V",
+    "degC": "c degc k=K degf=degF",
+}
+"""Name of a unit, and how it is written in small letters; `as=NAME` where that is another one's."""
+_NAMES = {
+    spelled.partition("=")[0]: spelled.partition("=")[2] or unit
+    for unit, all_of_it in _SPELLED.items()
+    for spelled in all_of_it.split()
+}
+_KINDS = {
+    "rad": "position", "m": "position", "rad/s": "velocity", "m/s": "velocity", "rad/s²": "acceleration",
+    "m/s²": "acceleration", "N·m": "torque", "N": "torque", "A": "current", "V": "voltage", "°C": "temperature",
+}  # fmt: skip
+_ATOMS = frozenset(
+    [
+        *(
+            "n",
+            "kn",
+            "mn",
+            "nm",
+            "mnm",
+            "cm",
+            "mm",
+            "m",
+            "km",
+            "um",
+            "s",
+            "sec",
+            "ms",
+            "min",
+            "h",
+            "rad",
+            "mrad",
+            "deg",
+        ),
+        *("rev", "turn", "a", "ma", "v", "mv", "w", "kw", "kg", "kgf", "g", "gf", "lb", "lbf", "oz", "ozf", "in", "ft"),
+        *("hz", "khz", "pu", "j", "c", "k", "pa", "bar", "inc", "lsb", "cnt", "cts", "digit", "digits", "u"),
+    ]
+)
+"""What units consist of: a text in brackets of nothing else is a unit, and no remark."""
+_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
+_BARE = re.compile(
+    r"(?<![A-Za-z])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rad|rpm|1/min|u/min"
+    r"|turns/s|turns|rev/s|rev|mnm|ncm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
+    r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv)|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-z])"
+)
+_AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
+_AS_SECOND = {"deg": "deg/s^2", "mm": "mm/s^2", "m": "m/s^2", "rad": "rad/s^2"}
+"""What the unit of a way means beside the word of a rate: `speed_deg`."""
+_SI = ("rad", "rad/s", "rad/s^2", "Nm", "A", "degC")
+
+
+class UnitWord(NamedTuple):
+    """A unit in a name.
+
+    Attributes:
+        unit: Its name, or `UNKNOWN_UNIT`.
+        span: Where it stands.
+        text: As it is written.
+    """
+
+    unit: str
+    span: tuple[int, int]
+    text: str
+
+
+def find_unit_words(name: str, begin: int) -> list[UnitWord]:
+    """The units that a name states from a place on: those in brackets, or else those that stand alone.
+
+    Args:
+        name: Of a column.
+        begin: Where the word of its quantity begins.
+    """
+    found = []
+    for match in _BRACKETS.finditer(name):
+        unit = _read_bracket(match.group(1))
+        if unit and match.start() > begin:
+            found.append(UnitWord(unit, match.span(), match.group(1)))
+    if found:
+        return found
+    bare = (match for match in _BARE.finditer(name) if match.start() > begin)
+    return [
+        UnitWord(_NAMES[_spell(one.group(), bare=True)], one.span(), one.group())
+        for one in bare
+        if _spell(one.group(), bare=True) in _NAMES
+    ]
+
+
+def read_unit(text: str) -> str:
+    """Name of the unit that a text is; empty where it is none."""
+    return _NAMES.get(_spell(text, bare=True), "")
+
+
+def kind_of_unit(unit: str) -> str:
+    """The quantity that a unit is of; empty where it is unknown."""
+    return _KINDS.get(UNITS[unit].si, "") if unit in UNITS else ""
+
+
+def unit_for(quantity: str, unit: str) -> str:
+    """The unit's name beside this quantity; empty where it is that of SI."""
+    if quantity == "velocity":
+        unit = _AS_RATE.get(unit, unit)
+    if quantity == "acceleration":
+        unit = _AS_SECOND.get(unit, unit)
+    if quantity == "torque" and unit == "A":
+        return unit
+    return "" if unit in _SI else unit
+
+
+def _read_bracket(text: str) -> str:
+    """The unit in brackets; empty where it is a number or a remark."""
+    spelled = _spell(text)
+    if not spelled or spelled.isdigit():
+        return ""
+    if spelled in _NAMES:
+        return _NAMES[spelled]
+    atoms = [atom for atom in re.split(r"[·/^\d%]+", spelled) if atom]
+    return UNKNOWN_UNIT if atoms and all(atom in _ATOMS for atom in atoms) else ""
+
+
+def _spell(text: str, *, bare: bool = False) -> str:
+    """A unit as the table has it: in small letters, a point between factors."""
+    text = text.strip().lower().replace("°c", "degc").replace("°", "deg").replace("µ", "u").replace("μ", "u")
+    text = re.sub(r"\bsec\b", "s", text).replace("²", "^2").replace("**2", "^2")
+    if bare:
+        text = re.sub(r"^(rad|deg|mm|m)_s$", r"\1/s", text)
+    return re.sub(r"\s*[*.\-⋅×_·]\s*|\s+(?=\w)", "·", text).replace(" ", "")

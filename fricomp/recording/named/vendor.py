@@ -1,0 +1,40 @@
+"""Names that the tools of drives write themselves, whose units their manuals state."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import replace
+
+from .column import RAW_UNIT, ColumnMeaning
+
+__all__ = ["with_vendor_unit"]
+
+_TURNS = re.compile(
+    r"(^|[./])(servo_stats\.position|servo_stats\.abs_position|encoder\.pos_estimate|pos_vel_mapper\.pos_(rel|abs))$"
+)
+"""Of moteus (its `servo_stats`) and of ODrive from firmware 0.5 on: positions in turns."""
+_TURNS_A_SECOND = re.compile(r"(^|[./])(servo_stats\.velocity|encoder\.vel_estimate|pos_vel_mapper\.vel)$")
+
+
+_MOTEUS = frozenset({"MODE", "POSITION", "VELOCITY", "TORQUE", "FAULT"})
+"""Registers of a moteus, as its Python library names them."""
+
+
+def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Collection[str] = ()) -> ColumnMeaning:
+    """The meaning with the unit that a drive's own tool writes such a column in; others are as they were.
+
+    Args:
+        name: Of the column.
+        meaning: What its words say.
+        beside: Names of all columns.
+    """
+    if name in ("POSITION", "VELOCITY") and set(beside) >= _MOTEUS:
+        return replace(meaning, unit="turns" if name == "POSITION" else "turns/s")
+    if meaning.unit not in ("", RAW_UNIT):
+        return meaning
+    if meaning.channel == "position" and _TURNS.search(name):
+        return replace(meaning, unit="turns", certainty=max(meaning.certainty, 0))
+    if meaning.channel == "velocity" and _TURNS_A_SECOND.search(name):
+        return replace(meaning, unit="turns/s", certainty=max(meaning.certainty, 0))
+    return meaning

@@ -1,0 +1,50 @@
+"""Samples over time: runs whose clock starts again, one after the other, and integrals."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.finding import Finding
+
+__all__ = ["integrate", "order_runs"]
+
+Samples = NDArray[np.float64]
+
+_SHORTEST = 100
+"""Rows of a run; shorter stretches between two falls of the clock are rows out of order."""
+_BETWEEN = 1.0
+"""Time that is put between two runs [s]: a gap, at which whatever reads the recording cuts it."""
+
+
+def order_runs(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """The channels with a time that goes on from run to run, and a note where it did not.
+
+    Args:
+        channels: Channel name to samples; `time` [s] among them. Shape (n_samples,) each.
+    """
+    time = channels["time"]
+    step = np.diff(time)
+    if time.size < 2 or not np.isfinite(time).all() or np.all(step >= 0.0):
+        return dict(channels), ()
+    if np.all(step <= 0.0):
+        turned = {name: values[::-1] for name, values in channels.items()}
+        return turned, (
+            Finding("backward_time", "note", "the rows run backwards in time and were turned", "nothing to do"),
+        )
+    falls = np.flatnonzero(step < 0.0) + 1
+    edges = np.concatenate([[0], falls, [time.size]])
+    if np.min(np.diff(edges)) < _SHORTEST:
+        return dict(channels), ()
+    later = np.array(time)
+    for a, b in pairwise(edges[1:].tolist()):
+        later[a:b] += later[a - 1] + _BETWEEN - time[a]
+    message = f"the clock starts again {falls.size} time(s): the runs were put one after the other, with a gap between"
+    finding = Finding("runs", "note", message, "nothing to do", int(falls[0]) + 1, "time")
+    return {**channels, "time": later}, (finding,)
+
+
+def integrate(values: Samples, time: Samples) -> Samples:
+    """Integral of a channel over time, from zero, by trapezes. Shape (n_samples,)."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))])

@@ -1,0 +1,58 @@
+"""Which law a recording is identified with where nobody names one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fricomp
+from fricomp.laws import FloatArray
+from fricomp.recording import Recording
+from fricomp.sim_bench.studies.logs.good_log import COULOMB, VISCOUS, joint_log
+
+
+def _bent(seed: int) -> Recording:
+    """A joint whose static torque is twice its Coulomb torque, moved slowly and fast by three sines."""
+    time = np.arange(0.0, 24.0, 0.004)
+    rates = 2.0 * np.pi * np.array([0.11, 0.31, 0.83])
+    phases = np.outer(time, rates) + np.random.default_rng(seed).uniform(0.0, 6.0, 3)
+    sizes = np.array([1.0, 0.3, 0.05])
+    velocity: FloatArray = np.cos(phases) @ (sizes * rates)
+    friction = np.sign(velocity) * (0.3 + 0.3 * np.exp(-((velocity / 0.2) ** 2))) + 0.1 * velocity
+    torque = friction - 0.05 * np.sin(phases) @ (sizes * rates**2)
+    noisy = torque + np.random.default_rng(seed + 1).normal(0.0, 0.005, time.size)
+    return Recording(time, np.sin(phases) @ sizes, noisy)
+
+
+@pytest.mark.parametrize(("rate", "seed"), [(160.0, 5), pytest.param(320.0, 6, marks=pytest.mark.slow)])
+def test_a_joint_without_a_stribeck_effect_is_usable_by_the_plain_law(rate: float, seed: int) -> None:
+    found = fricomp.identify(joint_log(14.0, rate, seed))
+    assert found.is_usable, found.result.message
+    assert found.parameters["coulomb.coulomb_torque"] == pytest.approx(COULOMB, rel=0.01)
+    assert found.parameters["viscous.viscous_coefficient"] == pytest.approx(VISCOUS, rel=0.02)
+    assert any(note.startswith("Law: coulomb_viscous, which leaves no more") for note in found.notes)
+
+
+@pytest.mark.slow
+def test_a_law_that_was_asked_for_is_kept() -> None:
+    found = fricomp.identify(joint_log(20.0, 200.0, 5), law="stribeck")
+    assert any(name.endswith("static_torque") for name in found.parameters)
+    assert not found.is_usable
+
+
+def test_a_stribeck_effect_that_shows_is_identified_with_its_law() -> None:
+    found = fricomp.identify(_bent(3))
+    assert found.is_usable, found.result.message
+    assert found.model.forward.static_torque == pytest.approx(0.6, rel=0.05)
+    assert not any(note.startswith("Law: ") for note in found.notes)
+
+
+def test_a_viscous_coefficient_at_its_bound_is_no_measured_value() -> None:
+    log = joint_log(20.0, 250.0, 8)
+    assert log.velocity is not None
+    falling = np.asarray(log.torque) - 1.3 * VISCOUS * np.asarray(log.velocity)
+    found = fricomp.identify(log.with_channels(torque=falling), law="coulomb_viscous")
+    assert found.parameters["viscous.viscous_coefficient"] < 1e-6
+    assert any("viscous.viscous_coefficient is at the bound, zero, and no measured value" in one for one in found.notes)
+    whole = fricomp.identify(log, law="coulomb_viscous")
+    assert not any("at the bound" in one for one in whole.notes)

@@ -1,0 +1,63 @@
+"""The short answer on an arm: what is wrong and what to do first, an effect of several joints told once."""
+
+from __future__ import annotations
+
+from fricomp.arm.brief import write_summary
+from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
+from fricomp.diagnosis.record.result import Quantity
+
+
+def _joint(name: str, level: float | None) -> JointRecord:
+    effect = JointEffect(
+        name="load_coulomb",
+        parameters={"coefficient": Quantity(level or 0.0, "1", (0.0, 1.0))},
+        recurrence=1.0,
+        log_bayes_factor=9.0,
+        fall=0.5,
+        equation="c |tau|",
+        indistinguishable_from=("load_quadratic",) if name == "b" else (),
+    )
+    rotor = Quantity(0.1, "kg·m²", (0.0, 0.2))
+    return JointRecord(
+        name=name,
+        unit="N·m",
+        friction={},
+        effects=() if level is None else (effect,),
+        rotor_inertia=rotor,
+        error_simulation=1.0,
+        error_plain=0.8,
+        error_model=0.4,
+    )
+
+
+def _link(name: str, mass: float, state: LinkState) -> LinkRecord:
+    found = Quantity(mass, "kg", (mass - 0.2, mass + 0.2))
+    return LinkRecord(name=name, simulated_mass=2.0, mass=found, first_moment={}, state=state)
+
+
+def _record(joints: tuple[JointRecord, ...], links: tuple[LinkRecord, ...] = ()) -> ArmRecord:
+    late = Quantity(0.0, "s", (0.0, 0.0))
+    return ArmRecord(
+        schema=ARM_SCHEMA, sentences=(), joints=joints, links=links, delay=late, gain=None, cutoff=20.0, duration=60.0,
+        left_out=0.0,
+    )  # fmt: skip
+
+
+def test_what_to_do_comes_second_and_an_effect_of_two_joints_is_told_once() -> None:
+    links = (_link("upper", 4.0, "off"), _link("hand", 2.1, "off"), _link("base", 2.0, "not_determined"))
+    told = write_summary(
+        _record((_joint("a", 0.1), _joint("b", 0.2), *(_joint(name, None) for name in "cdefg")), links), "Off."
+    )
+    assert told[0] == "Off."
+    assert told[1].startswith("To do: simulate with arm.xml")
+    effect, off, unknown = told[2:]
+    assert effect.endswith("[c |tau|]; a coefficient 0.1; b (or load_quadratic) coefficient 0.2.")
+    assert off == "Links that are off: upper (+2 kg), hand (mass elsewhere)."
+    assert unknown == "Not shown by this motion: the mass of base."
+
+
+def test_of_an_arm_that_is_as_simulated_there_is_nothing_to_do() -> None:
+    told = write_summary(_record((_joint("a", None),), (_link("upper", 2.0, "as_simulated"),)), "Nothing is missing.")
+    assert told[0] == "Nothing is missing."
+    assert told[1].startswith("To do: nothing")
+    assert len(told) == 2

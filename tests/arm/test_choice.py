@@ -1,0 +1,53 @@
+"""Which links are written, and that a joint which the files make no better is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.arm import ArmExamination, examine_arm
+from fricomp.arm.output import choice
+from fricomp.arm.output.choice import WrittenFiles, add_file_errors, prepare_files
+from fricomp.arm.record import FileErrors, PositionErrors
+from fricomp.arm.rigid.inertia import N_INERTIA
+
+from .moving_arm import record_arm, write_arm
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> tuple[ArmExamination, Path]:
+    simulation = write_arm(tmp_path_factory.mktemp("plain"))
+    return examine_arm(record_arm(simulation, duration=20.0), simulation), simulation
+
+
+def test_links_nearer_the_simulation_are_written_where_they_go_less_wrong(
+    plain: tuple[ArmExamination, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    examination, simulation = plain
+    monkeypatch.setattr(choice, "_CLEARLY", np.inf)
+    written = prepare_files(examination.answer, simulation)
+    away, found = (
+        float(np.abs(one.identification.fit.x[: 3 * N_INERTIA]).max()) for one in (written.answer, examination.answer)
+    )
+    assert written.notes
+    assert away < found
+    assert set(written.errors) == {"shoulder", "elbow", "wrist"}
+
+
+def test_a_joint_that_the_files_make_no_better_is_told(plain: tuple[ArmExamination, Path]) -> None:
+    examination, _ = plain
+    worse = FileErrors(
+        torque_simulation=0.1,
+        torque_fit=0.2,
+        torque=0.2,
+        band=5.0,
+        positions=(PositionErrors(after=0.5, simulation=0.01, files=0.02, travel=0.1, unit="rad"),),
+    )
+    record = add_file_errors(examination.record, WrittenFiles(examination.answer, {"wrist": worse}))
+    (said,) = (line for line in record.sentences if line.startswith("wrist: the files are no better"))
+    assert "in torque (0.1 to 0.2 N·m) and simulated for 0.5 s (10 to 20 mrad)" in said
+    assert "files are no better" in record.summary[-1]
+    assert "wrist in torque" in record.summary[-1]
+    assert not any(line.startswith("shoulder: the files are no better") for line in record.sentences)

@@ -1,0 +1,135 @@
+"""The friction curve of a joint: its Stribeck velocity lies between those that are tried, intervals hold the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.arm import ArmExamination, build_friction_model, examine_arm
+from fricomp.arm.equations import _count_from_reversal
+from fricomp.arm.fit import Glance
+from fricomp.arm.friction import JointForm
+from fricomp.arm.uncertainty.averaging import average_friction
+from fricomp.arm.uncertainty.scatter import widen_covariance
+from fricomp.laws import BidirectionalStribeck, FloatArray
+
+from .moving_arm import record_arm, write_arm
+
+_EXCESS, _SPEED = (0.5, 0.35, 0.12), (0.11, 0.2, 0.45)
+_LEVELS, _SLOPES = (1.2, 0.8, 0.3), (0.6, 0.4, 0.1)
+
+
+def fall_with_speed(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
+    return np.asarray(_EXCESS[joint] * np.exp(-((v / _SPEED[joint]) ** 2)) * np.sign(v))
+
+
+@pytest.fixture(scope="module")
+def curved(tmp_path_factory: pytest.TempPathFactory) -> ArmExamination:
+    simulation = write_arm(tmp_path_factory.mktemp("curved"))
+    return examine_arm(record_arm(simulation, fall_with_speed), simulation)
+
+
+def test_a_stribeck_curve_is_no_effect(curved: ArmExamination) -> None:
+    assert all(joint.effects == () for joint in curved.record.joints)
+
+
+def test_stribeck_velocities_are_found_between_those_that_are_tried(curved: ArmExamination) -> None:
+    found = curved.answer.identification
+    for joint, speed, excess in zip(range(3), _SPEED, _EXCESS, strict=True):
+        (core,) = (term for term in build_friction_model(found, joint).law.terms)
+        assert isinstance(core, BidirectionalStribeck)
+        assert core.forward.stribeck_velocity == pytest.approx(speed, rel=0.15)
+        assert core.forward.static_torque - core.forward.coulomb_torque == pytest.approx(excess, rel=0.2)
+
+
+def test_intervals_of_friction_hold_the_truth_beside_a_stribeck_curve(curved: ArmExamination) -> None:
+    for joint, level, slope in zip(curved.record.joints, _LEVELS, _SLOPES, strict=True):
+        for name, truth in (("coulomb", level), ("viscous", slope)):
+            low, high = joint.friction[name].ci95
+            wider = 0.25 * (high - low)  # one of six intervals may miss by a little
+            assert low - wider < truth < high + wider
+            assert low <= joint.friction[name].value <= high
+
+
+def test_intervals_go_over_all_curves_that_are_nearly_as_probable(curved: ArmExamination) -> None:
+    """Beside the one curve of the fit they are narrower, or as wide."""
+    found = curved.answer.identification
+    averages = average_friction(found.equations, found.fit, found.prior)
+    for joint, each in enumerate(averages):
+        place, _ = found.fit.find_friction(joint)
+        alone = float(np.sqrt(found.fit.covariance[place.start, place.start]))
+        low, high = each["coulomb"]
+        assert high - low > 2.0 * 1.9 * alone
+
+
+def test_a_glance_solves_what_it_weighs(curved: ArmExamination) -> None:
+    found = curved.answer.identification
+    solved = Glance(found.equations, found.fit, found.prior).solve(found.fit.model)
+    np.testing.assert_allclose(solved.x, found.fit.x, atol=2e-3 * np.abs(found.fit.x).max())
+
+
+def test_deviations_are_never_narrower_than_rows_promise(curved: ArmExamination) -> None:
+    found = curved.answer.identification
+    again = widen_covariance(found.fit, found.equations, found.rows)
+    assert np.all(np.diag(again.covariance) >= np.diag(found.fit.covariance) * (1.0 - 1e-9))
+    np.testing.assert_allclose(_correlate(again.covariance), _correlate(found.fit.covariance), atol=1e-9)
+
+
+def _correlate(covariance: FloatArray) -> FloatArray:
+    deviation = np.sqrt(np.diag(covariance))
+    return np.asarray(covariance / np.outer(deviation, deviation))
+
+
+def test_rows_are_counted_from_where_a_joint_turns_and_not_over_a_gap() -> None:
+    moving = np.ones((12, 1), dtype=bool)
+    moving[3] = False
+    part = np.array([0] * 6 + [1] * 6)
+    assert _count_from_reversal(moving, part)[:, 0].tolist() == [3, 2, 1, 0, 1, 2, 7, 7, 7, 7, 7, 7]
+
+
+def test_a_direction_that_the_encoder_leaves_open_is_not_compared(tmp_path: Path) -> None:
+    """Four steps of 2 mrad a period of the smoothing are faster than a fiftieth of the top speed."""
+    simulation = write_arm(tmp_path)
+    series = record_arm(simulation)
+    step = 2e-3
+    coarse = [series[0].with_channels(position=np.round(np.asarray(series[0].position) / step) * step), *series[1:]]
+    found = examine_arm(coarse, simulation).answer.identification
+    assert found.rows.least_speed[0] == pytest.approx(4.0 * step * 2.5 * found.rows.cutoff, rel=0.01)
+    assert found.rows.least_speed[1] < 0.1 * found.rows.least_speed[0]
+    moving = np.mean(found.equations.moving, axis=0)
+    assert moving[0] < moving[1]
+
+
+def test_no_rotor_has_less_than_no_inertia(tmp_path: Path) -> None:
+    """A torque that is measured behind the gear, and less than the links' inertia asks for."""
+    simulation = write_arm(tmp_path)
+    series = record_arm(simulation)
+    acceleration = np.gradient(np.gradient(np.asarray(series[1].position), series[1].sample_period))
+    smooth = np.convolve(acceleration / series[1].sample_period, np.ones(25) / 25.0, mode="same")
+    less = series[1].with_channels(torque=np.asarray(series[1].torque) - 0.08 * smooth)
+    record = examine_arm([series[0], less, series[2]], simulation).record
+    assert all(joint.rotor_inertia.value >= -1e-6 for joint in record.joints)
+
+
+def test_no_joint_has_less_than_no_viscous_friction(tmp_path: Path) -> None:
+    """Friction that falls with the speed in one joint: its law, its model file and its interval all stay above zero."""
+    simulation = write_arm(tmp_path)
+    record = record_arm(simulation, lambda j, _, v, __: np.asarray(-0.9 * v if j == 0 else 0.0 * v), duration=20.0)
+    examined = examine_arm(record, simulation)
+    viscous = [joint.friction["viscous"] for joint in examined.record.joints]
+    assert viscous[0].value == 0.0
+    assert all(one.ci95[0] >= 0.0 and one.ci95[1] > 0.0 for one in viscous)
+    assert viscous[1].value == pytest.approx(_SLOPES[1], abs=0.05)
+    curve = build_friction_model(examined.answer.identification, 0).law.terms[0]
+    assert isinstance(curve, BidirectionalStribeck)
+    assert curve.forward.viscous_coefficient >= 0.0
+    assert curve.reverse.viscous_coefficient >= 0.0
+
+
+def test_forms_of_one_effect_are_told_from_other_effects() -> None:
+    form = JointForm((("load_coulomb", 0), ("stribeck", 1), ("load_quadratic", 0)))
+    assert form.has_other_form("load_coulomb")
+    assert form.has_other_form("load_quadratic")
+    assert not form.has_other_form("stribeck")

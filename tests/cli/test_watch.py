@@ -1,0 +1,80 @@
+"""`fricomp watch` on joints whose history is known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.cli.main import app
+from fricomp.laws import Coulomb, FrictionLaw, Viscous
+from fricomp.model import Covariance, FrictionModel, Provenance, Validity, save_model
+
+DEVIATION = 1e-3
+
+
+def call(*arguments: object) -> Any:
+    return CliRunner().invoke(app, ["watch", *map(str, arguments)], env={"COLUMNS": "60"})
+
+
+def write_models(folder: Path, joint: str, coulomb: list[float], temperature: float | None = None) -> None:
+    """A model a day, of these Coulomb torques [N·m] and a viscous coefficient that stays."""
+    noise = DEVIATION * np.random.default_rng(4).standard_normal((len(coulomb), 2))
+    for day, torque in enumerate(coulomb):
+        law = FrictionLaw((Coulomb(torque + noise[day, 0]), Viscous(0.1 + noise[day, 1])))
+        names = ("coulomb.coulomb_torque", "viscous.viscous_coefficient")
+        at = None if temperature is None else (temperature + day, temperature + day + 2.0)
+        model = FrictionModel(
+            law,
+            joint=joint,
+            validity=Validity(velocity=(-1.0, 1.0), temperature=at),
+            covariance=Covariance(names, DEVIATION**2 * np.eye(2), 1000),
+            provenance=Provenance(method="least_squares", created=f"2026-03-{day + 1:02d}T12:00:00+00:00"),
+        )
+        (folder / f"{joint}-{day}").mkdir(parents=True)
+        save_model(model, folder / f"{joint}-{day}" / "friction.json")
+
+
+def test_a_drift_a_jump_and_a_joint_that_stays_are_told_apart(tmp_path: Path) -> None:
+    write_models(tmp_path, "drifts", [0.30 + 0.002 * day for day in range(8)], temperature=20.0)
+    write_models(tmp_path, "jumps", [0.3] * 4 + [0.4] * 4)
+    write_models(tmp_path, "stays", [0.3] * 8)
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "friction.json").write_text("{}")
+    done = call(tmp_path, "--json", "--out", tmp_path / "watch.html")
+    assert done.exit_code == 0, done.output
+    answer = json.loads(done.stdout)
+    joints = {one["joint"]: one for one in answer["joints"]}
+    slopes = {name: {t["name"]: t for t in one["trends"]} for name, one in joints.items()}
+    drift = slopes["drifts"]["coulomb.coulomb_torque"]
+    assert abs(drift["slope"] - 0.002) < drift["reach"] < 5e-4
+    assert drift["significant"]
+    assert not any(trend["significant"] for trend in slopes["stays"].values())
+    assert joints["stays"]["changes"] == []
+    assert [(one["when"], one["what"]) for one in joints["jumps"]["changes"]] == [
+        ("2026-03-05 12:00", "coulomb.coulomb_torque")
+    ]
+    assert joints["drifts"]["models"][2]["temperature"] == pytest.approx(23.0)
+    assert "broken" in answer["left_out"][0]
+    page = (tmp_path / "watch.html").read_text()
+    assert "Joint drifts over temperature" in page
+    assert "Joint jumps over temperature" not in page
+    assert page.index("Changed or drifting: drifts, jumps.") < page.index("Joint drifts: 8 models")
+
+
+def test_the_last_change_can_be_failed_on(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3, 0.3, 0.4])
+    done = call(tmp_path, "--fail-if-changed")
+    assert done.exit_code == 1
+    assert "Changed at 2026-03-03 12:00 UTC" in done.output
+    assert max(map(len, done.output.splitlines())) <= 60
+    assert call(tmp_path).exit_code == 0
+
+
+def test_a_folder_without_models_is_refused(tmp_path: Path) -> None:
+    assert "no friction.json" in str(call(tmp_path).exception)
+    assert "is no folder" in str(call(tmp_path / "none").exception)

@@ -1,0 +1,84 @@
+"""At 10 to 60 Hz the diagnosis names what sliding shows, and says what falls between the samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis import diagnose
+from fricomp.diagnosis.low_rate.answer import is_low_rate
+from fricomp.recording import Recording, RecordingMetadata
+
+from .slow_joint import COULOMB, INERTIA, VISCOUS, slow_log
+
+
+@pytest.mark.parametrize(("rate", "seed", "gravity"), [(50.0, 21, 0.0), (25.0, 22, 2.5), (12.5, 23, 0.0)])
+def test_a_plain_joint_is_consistent_and_its_numbers_lie_in_their_intervals(
+    rate: float, seed: int, gravity: float
+) -> None:
+    record = diagnose(slow_log(rate, seed, gravity=gravity)).record
+    assert record.verdict == "consistent"
+    assert not record.effects
+    truth = {"coulomb_torque": COULOMB, "viscous_coefficient": VISCOUS, "gravity_sine": gravity}
+    for name, value in truth.items():
+        low, high = record.base[name].ci95
+        assert low - 0.01 <= value <= high + 0.01, name
+    assert record.base["inertia"].value == pytest.approx(INERTIA, rel=0.15)
+    assert any("fall between the samples" in sentence for sentence in record.sentences)
+
+
+@pytest.mark.parametrize(("rate", "seed", "load"), [(50.0, 31, 0.12), (20.0, 32, 0.2)])
+def test_friction_that_grows_with_the_load_is_named(rate: float, seed: int, load: float) -> None:
+    diagnosis = diagnose(slow_log(rate, seed, gravity=3.5, load=load))
+    (effect,) = diagnosis.effects
+    assert (diagnosis.verdict, effect.name) == ("missing_physics", "load_coulomb")
+    low, high = effect.parameters["coefficient"].ci95
+    assert low - 0.01 <= load <= high + 0.01
+    assert diagnosis.extended_model is not None
+    assert diagnosis.record.errors is not None
+    assert diagnosis.record.errors.after is not None
+    assert diagnosis.record.errors.after.torque.rms < 0.5 * diagnosis.record.errors.before.torque.rms
+
+
+def test_a_ripple_within_the_band_is_named() -> None:
+    (effect,) = diagnose(slow_log(40.0, 41, ripple=(0.1, 7.0))).effects
+    assert effect.name == "cogging"
+    low, high = effect.parameters["order"].ci95
+    assert low <= 7.0 <= high
+    assert effect.parameters["sine"].value == pytest.approx(0.1, rel=0.1)
+
+
+def test_a_torque_that_is_stamped_late_is_a_measurement() -> None:
+    diagnosis = diagnose(slow_log(25.0, 51, delay=0.07))
+    (effect,) = diagnosis.effects
+    assert (diagnosis.verdict, effect.name) == ("measurement", "torque_delay")
+    low, high = effect.parameters["torque_delay"].ci95
+    assert low - 0.003 <= -0.07 <= high + 0.003 or low - 0.003 <= 0.07 <= high + 0.003
+
+
+@pytest.mark.parametrize(("ripple", "names"), [(0.0, []), (0.2, ["cogging"])])
+def test_a_motion_in_one_direction_names_what_depends_on_the_angle_alone(ripple: float, names: list[str]) -> None:
+    t = np.arange(0.0, 80.0, 0.04)
+    speed, late = (2.0 + 1.1 * np.sin(1.3 * s) + 0.6 * np.sin(3.1 * s) for s in (t, t - 0.09))
+    q = np.cumsum(speed) * 0.04
+    torque = 0.5 + 0.1 * late + 0.3 * np.gradient(late, t) + ripple * np.sin(1.5 * q)
+    noise = 0.005 * np.random.default_rng(52).standard_normal(t.size)
+    found = diagnose(Recording(t, q, torque + noise, metadata=RecordingMetadata(continuous=True)))
+    assert [one.name for one in found.effects] == names
+    assert any(one.startswith("torque_delay is not named") for one in found.sentences)
+
+
+def test_faster_recordings_are_left_to_the_rows() -> None:
+    slow = slow_log(50.0, 61, seconds=5.0)
+    fast = Recording(slow.time / 2.0, slow.position, slow.torque)
+    assert is_low_rate([slow])
+    assert is_low_rate([fast, slow])
+    assert not is_low_rate([fast])
+
+
+def test_nothing_is_named_where_readings_come_more_slowly_than_rows() -> None:
+    log, rng = slow_log(40.0, 71, seconds=60.0), np.random.default_rng(72)
+    late = np.maximum.accumulate(np.arange(len(log)) - (rng.random(len(log)) < 0.3))
+    record = diagnose(log.with_channels(position=np.asarray(log.position)[np.maximum(late, 0)])).record
+    assert not record.effects
+    assert any("repeat the position of the one before" in sentence for sentence in record.sentences)
