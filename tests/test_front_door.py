@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import threading
@@ -99,6 +100,7 @@ def test_calibrate_takes_its_configuration_as_a_table() -> None:
 def test_calibrate_outside_the_main_thread_warns_of_signals_that_it_cannot_hear(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(signal, "getsignal", lambda number: signal.SIG_DFL)  # another test may have left a handler
     heard: list[BaseException] = []
 
     def run() -> None:

@@ -48,7 +48,7 @@ def check(
     from fricomp.adapters.trial import TrialSettings, try_drive
     from fricomp.cli.answer import answer
     from fricomp.cli.terminal import console
-    from fricomp.control.loop.interruption import interrupt_on_ending_signals
+    from fricomp.control.loop.interruption import interrupting_on_ending_signals
     from fricomp.errors import ParameterError
 
     if not rate > 0.0:
@@ -64,12 +64,12 @@ def check(
         question = f"Energise the joints, at most {share:.0%} of their torque limits? They may move."
         return yes or typer.confirm(question, err=True)
 
-    interrupt_on_ending_signals()
     steps = []
-    for step in try_drive(tried, settings, may_energise):
-        steps.append(step)
-        mark, style = MARKS[step.passed]
-        screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
+    with interrupting_on_ending_signals():
+        for step in try_drive(tried, settings, may_energise):
+            steps.append(step)
+            mark, style = MARKS[step.passed]
+            screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
     failed = any(step.passed is False for step in steps)
     answer({"passed": not failed, "steps": [asdict(step) for step in steps]})
     if failed:
