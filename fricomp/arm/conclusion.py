@@ -18,7 +18,7 @@ from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
-from .rigid.inertia import N_INERTIA, LinkCoordinates
+from .rigid.inertia import N_INERTIA
 from .shared_cause import say_shared_causes
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
@@ -175,7 +175,7 @@ def _unit_of(name: str, torque: str, position: str) -> str:
 def _describe_link(answer: ArmAnswer, link: int, intervals: FloatArray) -> LinkRecord:
     fit = answer.identification.fit
     at = slice(N_INERTIA * link, N_INERTIA * (link + 1))
-    slope = LinkCoordinates(fit.arm.inertia[link]).jacobian(fit.x[at])
+    slope = fit.arm.link_coordinates[link].jacobian(fit.x[at])
     before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
     value, simulated = fit.inertia[link], fit.arm.inertia[link]
     spread = (intervals[:, 1] - intervals[:, 0]) / (2.0 * _Z95)

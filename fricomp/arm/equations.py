@@ -95,7 +95,7 @@ class ArmEquations:
     @cached_property
     def sums(self) -> FloatArray:
         """G of each joint. Shape (n_joints, n_columns, n_columns)."""
-        return np.stack([Z.T @ (Z * w[:, None]) for Z, w in zip(self.columns, self.weights.rows.T, strict=True)])
+        return _sum_rows(self.columns, self.weights.rows)
 
     @cached_property
     def counts(self) -> FloatArray:
@@ -112,7 +112,7 @@ class ArmEquations:
         rows = self.weights.rows
         return [
             EquationSums(
-                sums=np.stack([Z[at].T @ (Z[at] * w[at, None]) for Z, w in zip(self.columns, rows.T, strict=True)]),
+                sums=_sum_rows(self.columns[:, at], rows[at]),
                 counts=np.sum(rows[at] > 0.0, axis=0).astype(np.float64),
                 weights=self.weights,
                 top_speed=self.top_speed,
@@ -241,6 +241,12 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     bare = ArmEquations(columns, Weights(moving, noise, np.ones(n)), top, np.zeros(n), np.zeros((n, parts.size)))
     bare = bare.with_load(load).with_torque(rows)
     return bare if plain else bare.with_stribeck(rows, top[:, None] * parts)
+
+
+def _sum_rows(columns: FloatArray, weights: FloatArray) -> FloatArray:
+    """G of each joint; a matrix times itself costs half of a product. Shape (n_joints, n_columns, n_columns)."""
+    halves = [Z * np.sqrt(w)[:, None] for Z, w in zip(columns, weights.T, strict=True)]
+    return np.stack([half.T @ half for half in halves])
 
 
 def _weigh(residuals: FloatArray, used: BoolArray, near: NDArray[np.intp], rows: ArmRows, most: float) -> Weights:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording
 
@@ -45,6 +46,7 @@ class ArmExamination:
         return "\n".join(self.record.sentences)
 
 
+@one_blas_thread()
 def examine_arm(
     recordings: Sequence[Recording],
     simulation: str | Path,

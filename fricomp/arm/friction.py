@@ -17,6 +17,7 @@ with s = sign v, and τ_l the torque that the joint transmits.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import Literal
 
 import numpy as np
@@ -97,7 +98,12 @@ class JointTerm:
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
-        return tuple(f"{self.name}.{column}.{variant}" for column in self.columns)
+        return _name_columns(self, variant)
+
+
+@cache
+def _name_columns(term: JointTerm, variant: int) -> tuple[str, ...]:
+    return tuple(f"{term.name}.{column}.{variant}" for column in term.columns)
 
 
 TERMS = {
@@ -137,7 +143,7 @@ class JointForm:
 
     terms: tuple[tuple[str, int], ...] = ()
 
-    @property
+    @cached_property
     def columns(self) -> tuple[str, ...]:
         """Parameters."""
         return (*PLAIN, *(name for term, variant in self.terms for name in TERMS[term].names(variant)))

@@ -17,8 +17,10 @@ from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
 from .equations import ArmEquations, build_equations
-from .fit import ArmFit, ArmModel, Glance, fit_arm
+from .fit import ArmFit, fit_arm
 from .friction import TERMS, JointForm
+from .glance import Glance
+from .model import ArmModel
 from .physics import hold_at_zero, is_physical
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm

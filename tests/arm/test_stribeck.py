@@ -9,8 +9,8 @@ import pytest
 
 from fricomp.arm import ArmExamination, build_friction_model, examine_arm
 from fricomp.arm.equations import _count_from_reversal
-from fricomp.arm.fit import Glance
 from fricomp.arm.friction import JointForm
+from fricomp.arm.glance import Glance
 from fricomp.arm.uncertainty.averaging import average_friction
 from fricomp.arm.uncertainty.scatter import widen_covariance
 from fricomp.laws import BidirectionalStribeck, FloatArray

@@ -20,7 +20,7 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 
 from ..prior import ArmPrior
-from ..rigid.inertia import N_INERTIA, LinkCoordinates
+from ..rigid.inertia import N_INERTIA
 from ..rigid.regressor import compute_regressor
 from ..rigid.simulated_arm import SimulatedArm
 from .fourier import FourierMotion
@@ -161,9 +161,9 @@ class _Judge:
         self.arm, self.limits = arm, limits
         prior, n = ArmPrior(), len(arm.links)
         slopes = np.zeros((N_INERTIA * n, N_INERTIA * n))
-        for i, inertia in enumerate(arm.inertia):
+        for i, link in enumerate(arm.link_coordinates):
             at = slice(N_INERTIA * i, N_INERTIA * (i + 1))
-            slopes[at, at] = LinkCoordinates(inertia).jacobian(np.zeros(N_INERTIA)) * prior.links
+            slopes[at, at] = link.jacobian(np.zeros(N_INERTIA)) * prior.links
         self._slopes = slopes
 
     def fill(self, motion: FourierMotion) -> FourierMotion | None:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import FricompError
 from fricomp.evaluation import ArmEvaluation
 from fricomp.evaluation.arm import JointErrors
@@ -70,6 +71,7 @@ class WrittenFiles:
     whole: ArmEvaluation | None = None
 
 
+@one_blas_thread()
 def prepare_files(answer: ArmAnswer, simulation: str | Path) -> WrittenFiles:
     """Choose what is written, and measure it on held-out blocks.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from fricomp.blas import one_blas_thread
 from fricomp.diagnosis.report import write_diagnosis
 from fricomp.errors import FricompError
 from fricomp.report import draw_png, write_report
@@ -20,6 +21,7 @@ from .page import build_arm_page, draw_arm_charts
 __all__ = ["write_arm"]
 
 
+@one_blas_thread()
 def write_arm(examination: ArmExamination, folder: Path, simulation: str | Path, written: WrittenFiles) -> list[Path]:
     """Write everything.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray
 from fricomp.simulation_file import compile_simulation, list_mimics
 
-from .inertia import combine_inertia
+from .inertia import LinkCoordinates, combine_inertia
 from .kinematics import JointMotion, move_bodies
 from .naming import match_joints
 
@@ -120,6 +121,11 @@ class SimulatedArm:
                 )
             )
         return links
+
+    @cached_property
+    def link_coordinates(self) -> tuple[LinkCoordinates, ...]:
+        """Coordinates of each link about its simulated inertia."""
+        return tuple(map(LinkCoordinates, self.inertia))
 
     @property
     def order(self) -> tuple[int, ...]:

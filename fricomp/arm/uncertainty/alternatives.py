@@ -12,8 +12,10 @@ import numpy as np
 
 from ..confirmation import without_term
 from ..equations import ArmEquations
-from ..fit import ArmFit, ArmModel, Glance, fit_arm
+from ..fit import ArmFit, fit_arm
+from ..glance import Glance
 from ..identification import LOOK_STEPS, propose_models
+from ..model import ArmModel
 from ..physics import is_physical
 from ..prior import ArmPrior
 

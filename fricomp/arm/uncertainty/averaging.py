@@ -20,10 +20,12 @@ from scipy.stats import norm
 from fricomp.laws import FloatArray
 
 from ..equations import ArmEquations
-from ..fit import ArmFit, ArmModel, Glance
+from ..fit import ArmFit
 from ..friction import PLAIN, TERMS
+from ..glance import Glance
+from ..model import ArmModel
 from ..prior import ArmPrior
-from ..rigid.inertia import N_INERTIA, LinkCoordinates
+from ..rigid.inertia import N_INERTIA
 from .alternatives import Alternatives
 
 __all__ = ["average_friction", "average_links"]
@@ -82,9 +84,9 @@ def average_links(fit: ArmFit, found: Alternatives) -> FloatArray:
 def _measure_links(fit: ArmFit) -> tuple[FloatArray, FloatArray]:
     """Mass and first moments of each link, and their standard deviations. Shapes (n_links, 4)."""
     spread = []
-    for i, simulated in enumerate(fit.arm.inertia):
+    for i, link in enumerate(fit.arm.link_coordinates):
         at = slice(N_INERTIA * i, N_INERTIA * (i + 1))
-        slope = LinkCoordinates(simulated).jacobian(fit.x[at])
+        slope = link.jacobian(fit.x[at])
         spread.append(np.sqrt(np.diag(slope @ fit.covariance[at, at] @ slope.T))[:_SHOWN])
     return fit.inertia[:, :_SHOWN], np.stack(spread)
 

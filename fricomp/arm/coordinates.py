@@ -1,0 +1,222 @@
+"""How the parameters of an arm's model stand in the columns of its equations, and what is known of them beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+
+from .equations import ArmEquations, EquationSums
+from .friction import PLAIN, column_names
+from .model import ArmModel
+from .prior import ArmPrior
+from .rigid.inertia import N_INERTIA
+from .rigid.simulated_arm import SimulatedArm
+
+__all__ = ["Coordinates", "Linearised", "PriorSizes", "measure_sizes"]
+
+_WARMTH = 10.0
+"""[K] over which friction may change by all of its prior: joints at work get that much warmer."""
+
+_LEAST_LEVEL = 1e-3
+"""Of a joint's widest friction torque, that its Coulomb level is taken to have at least."""
+
+_HELD, _HELD_PART = 1e-9, 1e-6
+"""Prior deviation of what is held at its mean, in its own unit; of friction, as part of what it is otherwise, since a
+model is weighed from where it is not held."""
+
+_NUMBERS = {name: k for k, name in enumerate(column_names())}
+"""Number of each column of friction by its name."""
+
+
+class Linearised(NamedTuple):
+    """The weighted squares about some parameters.
+
+    Attributes:
+        curvature: Half of it. Shape (size, size).
+        pull: Half the downward slope. Shape (size,).
+        cost: The squares themselves.
+    """
+
+    curvature: FloatArray
+    pull: FloatArray
+    cost: float
+
+
+@dataclass(frozen=True)
+class PriorSizes:
+    """What the prior of each joint is measured in, as the simulation and the recording have it. Shapes (n_joints,).
+
+    Attributes:
+        rotor: Inertia that the joint shows by its acceleration in the simulation [kg·m²] or [kg].
+        torque: A friction torque as wide as the prior lets it be [N·m] or [N].
+        level: Coulomb friction beside the simulated torque [N·m] or [N].
+        speed: Top speed [rad/s] or [m/s].
+    """
+
+    rotor: FloatArray
+    torque: FloatArray
+    level: FloatArray
+    speed: FloatArray
+
+
+class Coordinates:
+    """How the parameters x of a model stand in the columns of each joint.
+
+    x holds links, rotors, friction of joint 1, 2, ..., delay, gain; the squares are those of the weights
+
+        z_j = [(1 + g) (θ(p), r_j, f_j), -δ, -1]
+
+    times the columns of joint j. Columns that a model does not have are never multiplied.
+
+    Args:
+        arm: The simulation.
+        model: What is fitted.
+    """
+
+    def __init__(self, arm: SimulatedArm, model: ArmModel) -> None:
+        self.arm, self.model = arm, model
+        self.links = arm.link_coordinates
+        self.n_inertial = N_INERTIA * len(arm.links)
+        first = self.n_inertial + 1
+        self.columns = [np.array([first + _NUMBERS[name] for name in form.columns]) for form in model.forms]
+        sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(c) for c in self.columns)])
+        self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
+        self.size, self.width = int(sizes[-1]) + 2, first + len(_NUMBERS) + 2
+
+    def expand(self, x: FloatArray) -> FloatArray:
+        """Weights of the columns whose sum is what is left, with its sign turned. Shape (n_joints, n_columns)."""
+        z = np.zeros((len(self.arm.joints), self.width))
+        p = x[: self.n_inertial].reshape(-1, N_INERTIA)
+        z[:, : self.n_inertial] = np.concatenate([link.inertia(q) for link, q in zip(self.links, p, strict=True)])
+        z[:, self.n_inertial] = x[self.n_inertial : self.n_inertial + len(self.arm.joints)]
+        for j, (columns, place) in enumerate(zip(self.columns, self.places, strict=True)):
+            z[j, columns] = x[place]
+        z[:, :-2] *= 1.0 + x[-1]
+        z[:, -2], z[:, -1] = -x[-2], -1.0
+        return z
+
+    def measure_cost(self, equations: ArmEquations | EquationSums, x: FloatArray) -> float:
+        """Weighted squares of what is left."""
+        z, scale = self.expand(x), _scale(equations)
+        return float(sum(scale[j] * (one @ equations.sums[j] @ one) for j, one in enumerate(z)))
+
+    def linearise(self, equations: ArmEquations | EquationSums, x: FloatArray) -> Linearised:
+        """The weighted squares and their slopes at x.
+
+        Links enter all joints by the same derivative, so that it is taken once, of what the joints add up to.
+        """
+        z, scale, gain, cost = self.expand(x), _scale(equations), 1.0 + float(x[-1]), 0.0
+        H, g, links = np.zeros((self.size, self.size)), np.zeros(self.size), slice(self.n_inertial)
+        for j, (columns, place) in enumerate(zip(self.columns, self.places, strict=True)):
+            sums = equations.sums[j]
+            at = np.array([self.n_inertial + j, *range(place.start, place.stop), self.size - 2])
+            seen = np.array([self.n_inertial, *columns, self.width - 2])
+            slope = np.full(seen.size, gain)
+            slope[-1] = -1.0  # of the delay, which no gain changes
+            along = np.append(z[j, :-2] / gain, [0.0, 0.0])  # what grows with the gain
+            left, gained = scale[j] * (sums @ z[j]), scale[j] * (sums @ along)
+            H[links, links] += scale[j] * gain**2 * sums[links, links]
+            H[links, at] += scale[j] * gain * slope * sums[links, seen]
+            H[np.ix_(at, at)] += scale[j] * np.outer(slope, slope) * sums[np.ix_(seen, seen)]
+            H[links, -1] += gain * gained[links]
+            H[at, -1] += slope * gained[seen]
+            H[-1, -1] += along @ gained
+            g[links] -= gain * left[links]
+            g[at] -= slope * left[seen]
+            g[-1] -= along @ left
+            cost += float(z[j] @ left)
+        H[-1, self.n_inertial :] = H[self.n_inertial :, -1]
+        self._turn_links(H, g, x)
+        return Linearised(H, g, cost)
+
+    def _turn_links(self, H: FloatArray, g: FloatArray, x: FloatArray) -> None:
+        """From the inertia of links to their coordinates, in place; of H what is above the blocks of links is given."""
+        p = x[: self.n_inertial].reshape(-1, N_INERTIA)
+        turns = np.array([link.jacobian(q).T for link, q in zip(self.links, p, strict=True)])
+        shape = (len(self.links), N_INERTIA, -1)
+        H[: self.n_inertial] = (turns @ H[: self.n_inertial].reshape(shape)).reshape(self.n_inertial, -1)
+        own = H[: self.n_inertial, : self.n_inertial].T
+        H[: self.n_inertial, : self.n_inertial] = (turns @ own.reshape(shape)).reshape(self.n_inertial, -1)
+        H[self.n_inertial :, : self.n_inertial] = H[: self.n_inertial, self.n_inertial :].T
+        g[: self.n_inertial] = (turns @ g[: self.n_inertial].reshape(shape)).ravel()
+
+    def take_over(self, model: ArmModel, x: FloatArray, mean: FloatArray) -> FloatArray:
+        """Parameters x of another model, in the places that they have here; of what it lacks, those of `mean`."""
+        result, other = mean.copy(), Coordinates(self.arm, model)
+        rigid = self.n_inertial + len(self.arm.joints)
+        result[:rigid], result[-2:] = x[:rigid], x[-2:]
+        for form, place, before, there in zip(self.model.forms, self.places, model.forms, other.places, strict=True):
+            known = dict(zip(before.columns, x[there].tolist(), strict=True))
+            result[place] = [known.get(name, 0.0) for name in form.columns]
+        return result
+
+    def place_prior(self, sizes: PriorSizes, prior: ArmPrior) -> tuple[FloatArray, FloatArray]:
+        """Mean and standard deviation of x before the recording. Shapes (size,)."""
+        arm, mean, deviation = self.arm, np.zeros(self.size), np.ones(self.size)
+        wide = [prior.opened if i in self.model.opened else prior.links for i in range(len(arm.links))]
+        deviation[: self.n_inertial] = np.repeat(wide, N_INERTIA)
+        rotors = slice(self.n_inertial, self.n_inertial + len(arm.joints))
+        mean[rotors] = arm.armature
+        deviation[rotors] = prior.rotors * np.maximum(sizes.rotor + arm.armature, 1e-9)
+        for j in self.model.rotorless:
+            mean[self.n_inertial + j], deviation[self.n_inertial + j] = 0.0, _HELD
+        for j, place in enumerate(self.places):
+            typical, speed, level = float(sizes.torque[j]), float(sizes.speed[j]), float(sizes.level[j])
+            by_level = {"stribeck": prior.stribeck * level, "spring_torque": prior.spring * level}
+            deviation[place] = [
+                by_level.get(name.split(".")[0], 0.0) or _size_column(name, typical, speed, prior)
+                for name in self.model.forms[j].columns
+            ]
+            if self.model.pinned:
+                held = [(j, name) in self.model.pinned for name in self.model.forms[j].columns]
+                deviation[place] *= np.where(held, _HELD_PART, 1.0)
+        deviation[-2], deviation[-1] = prior.delay, prior.gain if self.model.gain else _HELD
+        return mean, deviation
+
+
+def measure_sizes(arm: SimulatedArm, equations: ArmEquations | EquationSums, prior: ArmPrior) -> PriorSizes:
+    """What the priors of the joints are measured in; no model changes it."""
+    n, sums = N_INERTIA * len(arm.links), equations.sums
+    own = np.abs(sums[:, n, :n] @ arm.inertia.ravel()) / np.maximum(sums[:, n, n], 1e-12)
+    ones = np.maximum(sums[:, n + 2, n + 2], 1.0)  # of the column of the offset
+    typical = prior.friction * np.sqrt(np.maximum(sums[:, -1, -1] / ones, 1e-18))
+    levels = [_guess_level(arm, one, j, float(typical[j])) for j, one in enumerate(sums)]
+    return PriorSizes(own, typical, np.array(levels), equations.top_speed)
+
+
+def _scale(equations: ArmEquations | EquationSums) -> FloatArray:
+    """Weight of the squares of each joint. Shape (n_joints,)."""
+    return np.asarray(1.0 / (equations.weights.noise**2 * equations.weights.inflation))
+
+
+def _guess_level(arm: SimulatedArm, sums: FloatArray, joint: int, typical: float) -> float:
+    """Coulomb level of a joint beside its simulated torque times a factor [N·m] or [N]."""
+    n = arm.inertia.size
+    some = np.zeros((sums.shape[0], 1 + len(PLAIN)))
+    some[:n, 0] = arm.inertia.ravel()
+    some[n, 0] = arm.armature[joint]
+    some[n + 1 : n + 1 + len(PLAIN), 1:] = np.eye(len(PLAIN))
+    found = np.linalg.lstsq(some.T @ sums @ some, some.T @ sums[:, -1], rcond=None)[0]
+    return max(abs(float(found[1 + PLAIN.index("coulomb")])), _LEAST_LEVEL * typical)
+
+
+def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:
+    """Prior deviation of a friction parameter, from a typical torque [N·m] and the joint's top speed [rad/s]."""
+    if name.startswith("torque_delay"):
+        return prior.delay
+    if name.startswith("torque_gain_error"):
+        return prior.gain
+    if name.startswith("thermal_friction"):
+        return torque / _WARMTH / (speed if ".viscous" in name else 1.0)
+    if name.startswith("load_coulomb"):
+        return prior.load_friction
+    if name.startswith("load_quadratic"):
+        return prior.load_friction / max(torque / prior.friction, 1e-9)
+    if name.startswith("viscous"):
+        return torque / speed
+    return torque / speed**2 if name.startswith("quadratic_drag") else torque
