@@ -139,7 +139,7 @@ def follow_law(
 
 
 def resist(
-    law: FrictionLaw, point: OperatingPoint, states: Sequence[FloatArray], dt: float, scale: float
+    law: FrictionLaw, point: OperatingPoint, states: Sequence[FloatArray], dt: float, scale: float | FloatArray
 ) -> Resistance:
     """What resists at a point, linear in the velocity over a step of `dt` [s].
 
@@ -190,7 +190,7 @@ def list_dynamic(law: FrictionLaw) -> tuple[DynamicTerm, ...]:
     return tuple(term for term in law.terms if isinstance(term, DynamicTerm))
 
 
-def _move(point: OperatingPoint, step: float) -> OperatingPoint:
+def _move(point: OperatingPoint, step: float | FloatArray) -> OperatingPoint:
     """The point at a slightly higher speed, so that nothing rests."""
     v = np.asarray(point.velocity, dtype=np.float64)
     away = np.where(v >= 0.0, v + step, v - step)

@@ -202,13 +202,7 @@ def _summarise(motion: RecordedMotion, horizon: float, pairs: Sequence[tuple[Flo
     error, travel = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
     most = EVALUATION.runaway * motion.range
     error = np.clip(np.nan_to_num(np.abs(error), nan=most, posinf=most), 0.0, most)
-    blocks = np.array_split(error, min(EVALUATION.blocks, error.size))
-    rng = np.random.default_rng(0)
-    drawn = [
-        float(np.median(np.concatenate([blocks[k] for k in rng.integers(0, len(blocks), len(blocks))])))
-        for _ in range(EVALUATION.draws)
-    ]
-    low, high = np.quantile(drawn, [0.025, 0.975])
+    low, high = np.quantile(_draw_medians(error), [0.025, 0.975])
     return PositionError(
         after=horizon,
         median=float(np.median(error)),
@@ -218,6 +212,18 @@ def _summarise(motion: RecordedMotion, horizon: float, pairs: Sequence[tuple[Flo
         starts=int(error.size),
         unit=motion.position_unit,
     )
+
+
+def _draw_medians(error: FloatArray) -> FloatArray:
+    """Medians over blocks of neighbours that are drawn with replacement. Shape (n_draws,)."""
+    blocks = np.array_split(error, min(EVALUATION.blocks, error.size))
+    filled = np.full((len(blocks), max(map(len, blocks))), np.nan)  # blocks differ in length by one
+    for row, block in zip(filled, blocks, strict=True):
+        row[: len(block)] = block
+    picked = np.random.default_rng(0).integers(0, len(blocks), (EVALUATION.draws, len(blocks)))
+    drawn = np.sort(filled[picked].reshape(EVALUATION.draws, -1), axis=1)  # what is no number comes last
+    counts, rows = np.sum(np.isfinite(drawn), axis=1), np.arange(EVALUATION.draws)
+    return np.asarray(0.5 * (drawn[rows, (counts - 1) // 2] + drawn[rows, counts // 2]))
 
 
 def _bootstrap(values: FloatArray, summarise: Callable[[FloatArray], FloatArray]) -> tuple[float, float]:

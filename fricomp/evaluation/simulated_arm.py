@@ -18,7 +18,8 @@ from fricomp.mujoco_warnings import silence_mujoco
 from fricomp.simulation_file import read_specification
 
 from .arm_motion import ArmMotion
-from .equation import advance_states, follow_law, resist
+from .arm_run import ArmRun
+from .equation import follow_law
 from .equation_rollout import count_substeps
 from .settings import EVALUATION
 from .simulated_joint import hold_others, spread_torque
@@ -170,18 +171,18 @@ class SimulatedArm:
         data = [mujoco.MjData(self.model) for _ in starts]
         for one, start in zip(data, starts, strict=True):
             self._start(motion, part, along, int(start), one)
-        memory = [tuple(each[:, starts] for each in states) for states in along.states]
         substeps = self._set_step(motion.dt, self._count_substeps(motion, part))
+        top = np.array([max(float(np.max(np.abs(one.parts[part].velocity))), 1e-9) for one in motion.joints])
+        run = ArmRun(self.model, self.order, [None if one is None else one.law for one in self.laws], data, top)
+        run.remember(along.states, starts)
         torque = motion.stack(part, "torque")
         drive = [spread_torque(column, starts, lengths[-1], substeps) for column in torque.T]
-        top = [max(float(np.max(np.abs(one.parts[part].velocity))), 1e-9) for one in motion.joints]
         result = np.empty((len(lengths), starts.size, len(self.order)))
         for step in range(lengths[-1] * substeps):
-            push = np.stack([one[:, step] for one in drive], axis=1)
-            memory = self._advance(data, push, memory, top)
+            run.advance(np.stack([one[:, step] for one in drive], axis=1))
             for i, length in enumerate(lengths):
                 if step + 1 == length * substeps:
-                    result[i] = np.array([one.qpos for one in data])[:, list(self.order)]
+                    result[i] = run.position
         return result
 
     def _count_substeps(self, motion: ArmMotion, part: int) -> int:
@@ -192,44 +193,6 @@ class SimulatedArm:
             for model, inertia, one in zip(self.laws, least, motion.joints, strict=True)
             if model is not None
         )
-
-    def _advance(
-        self, data: Sequence[Any], push: FloatArray, memory: list[tuple[FloatArray, ...]], top: Sequence[float]
-    ) -> list[tuple[FloatArray, ...]]:
-        import mujoco
-
-        assert self.laws is not None
-        model, h, order = self.model, float(self.model.opt.timestep), list(self.order)
-        state = np.array([[one.qpos[order], one.qvel[order], one.qacc[order]] for one in data])
-        dry, drag, points = np.zeros_like(push), np.zeros_like(push), []
-        load = np.array([_find_load(model, one)[order] for one in data])
-        for j, law in enumerate(self.laws):
-            q, v, a = state[:, :, j].T
-            points.append(OperatingPoint(v, q, a, load[:, j]))
-            if law is not None:
-                found = resist(law.law, points[j], memory[j], h, top[j])
-                dry[:, j], drag[:, j] = found.dry, found.drag + found.slope
-                push[:, j] -= found.held + found.bristle - found.slope * v
-        for row, one in enumerate(data):
-            model.dof_frictionloss[order] = np.maximum(dry[row], 1e-9)
-            model.dof_damping.reshape(model.nv, -1)[order, 0] = drag[row]
-            one.qfrc_applied[order] = push[row]
-            mujoco.mj_step(model, one)
-        after = np.array([one.qvel[order] for one in data])
-        return [
-            () if law is None else advance_states(law.law, replace(points[j], velocity=after[:, j]), memory[j], h)
-            for j, law in enumerate(self.laws)
-        ]
-
-
-def _find_load(model: Any, data: Any) -> FloatArray:
-    """What the gears transmit, at the end of the last step: all but what accelerates the rotors. Shape (n_joints,)."""
-    import mujoco
-
-    moved = np.empty(model.nv)
-    mujoco.mj_mulM(model, data, moved, data.qacc)
-    result: FloatArray = moved + data.qfrc_bias - np.asarray(model.dof_armature) * data.qacc
-    return result
 
 
 def read_simulated_arm(
