@@ -44,6 +44,7 @@ def draw_interactive(chart: Chart) -> str:
         MissingExtraError: plotly is not installed.
     """
     try:
+        from plotly.io import to_html
         from plotly.subplots import make_subplots
     except ModuleNotFoundError as error:
         raise MissingExtraError("plotly", "report") from error
@@ -64,8 +65,11 @@ def draw_interactive(chart: Chart) -> str:
     for number, panel in enumerate(chart.panels):
         place = {"row": number // chart.columns + 1, "col": number % chart.columns + 1}
         _draw_panel(figure, panel, place, number, shown)
-    _dress(figure, chart, height, lines)
-    html: str = figure.to_html(
+    drawn = figure.to_dict()
+    _dress(drawn["layout"], chart, height, lines)
+    html: str = to_html(
+        drawn,
+        validate=False,
         full_html=False,
         include_plotlyjs=False,
         div_id=f"chart-{chart.name}",
@@ -79,27 +83,36 @@ def draw_interactive(chart: Chart) -> str:
     return html
 
 
-def _dress(figure: Any, chart: Chart, height: float, lines: tuple[int, ...]) -> None:
-    """Fonts, margins, and each panel's title at its left edge."""
-    figure.update_layout(
-        height=height,
-        margin=_MARGIN | {"t": _MARGIN["t"] + (max(lines[: chart.columns]) - 1) * _LEGEND_LINE},
-        plot_bgcolor="white",
-        paper_bgcolor="white",
-        font={"family": "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif", "size": 13, "color": "#222222"},
-        hovermode="closest",
-        barmode="group",
-    )
-    if chart.share_x:
-        for number in range(len(chart.panels) - chart.columns):
-            figure.layout[_axis("xaxis", number)].update(title=None, showticklabels=False)
+def _dress(layout: dict[str, Any], chart: Chart, height: float, lines: tuple[int, ...]) -> None:
+    """Fonts, margins, axes, legends, and each panel's title at its left edge.
+
+    The layout is a plain dictionary by now: plotly looks through all of a figure on each of its updates, which is most
+    of what a page costs.
+    """
+    layout |= {
+        "height": height,
+        "margin": _MARGIN | {"t": _MARGIN["t"] + (max(lines[: chart.columns]) - 1) * _LEGEND_LINE},
+        "plot_bgcolor": "white",
+        "paper_bgcolor": "white",
+        "font": {"family": "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif", "size": 13, "color": "#222222"},
+        "hovermode": "closest",
+        "barmode": "group",
+    }
+    for number, panel in enumerate(chart.panels):
+        x_axis, y_axis = layout[_axis("xaxis", number)], layout[_axis("yaxis", number)]
+        x_axis |= _axis_look(panel, "x") | _bar_ticks(panel) | _upright_ticks(panel)
+        y_axis |= _axis_look(panel, "y") | ({} if panel.y_range is None else {"range": list(panel.y_range)})
+        layout[_axis("legend", number)] = _legend(y_axis["domain"][1], x_axis["domain"][0])
+        if chart.share_x and number < len(chart.panels) - chart.columns:
+            del x_axis["title"]
+            x_axis["showticklabels"] = False
     titled = [number for number, panel in enumerate(chart.panels) if panel.title]
-    for annotation, number in zip_longest(figure.layout.annotations, titled):
+    for annotation, number in zip_longest(layout.get("annotations", ()), titled):
         if annotation is not None and number is not None:
-            left = figure.layout[_axis("xaxis", number)].domain[0]
+            left = layout[_axis("xaxis", number)]["domain"][0]
             row = number - number % chart.columns
             shift = 2.0 + _LEGEND_LINE * max(lines[row : row + chart.columns])
-            annotation.update(x=left, xanchor="left", yshift=shift, font={"size": 14, "weight": 600})
+            annotation |= {"x": left, "xanchor": "left", "yshift": shift, "font": {"size": 14, "weight": 600}}
 
 
 def _axis(kind: str, number: int) -> str:
@@ -123,17 +136,16 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
             draw = figure.add_vline if mark.axis == "x" else figure.add_hline
             at = {mark.axis: mark.at}
             draw(**at, line={"color": color, "width": 1.2, "dash": "dash"}, **place)
-    figure.update_xaxes(title={"text": panel.x_label, "standoff": 8}, type=_type(panel, "x"), **_AXIS, **place)
-    figure.update_yaxes(title={"text": panel.y_label, "standoff": 8}, type=_type(panel, "y"), **_AXIS, **place)
-    if panel.y_range is not None:
-        figure.update_yaxes(range=list(panel.y_range), **place)
-    figure.update_xaxes(**_log_ticks(panel.x_scale), **place)
-    figure.update_yaxes(**_log_ticks(panel.y_scale), **place)
-    figure.update_xaxes(**_bar_ticks(panel), **place)
-    if any(len(mark.x_names) > CROWDED for mark in panel.marks if isinstance(mark, HeatMap)):
-        figure.update_xaxes(tickangle=-90, **place)
-    domain = figure.layout[_axis("yaxis", number)].domain[1], figure.layout[_axis("xaxis", number)].domain[0]
-    figure.update_layout({legend: _legend(*domain)})
+
+
+def _axis_look(panel: Panel, axis: str) -> dict[str, Any]:
+    label, scale = (panel.x_label, panel.x_scale) if axis == "x" else (panel.y_label, panel.y_scale)
+    return {"title": {"text": label, "standoff": 8}, "type": _type(panel, axis), **_AXIS, **_log_ticks(scale)}
+
+
+def _upright_ticks(panel: Panel) -> dict[str, Any]:
+    crowded = any(len(mark.x_names) > CROWDED for mark in panel.marks if isinstance(mark, HeatMap))
+    return {"tickangle": -90} if crowded else {}
 
 
 def _type(panel: Panel, axis: str) -> str:

@@ -19,10 +19,10 @@ from fricomp.laws import (
 
 
 def _make_law(rng: np.random.Generator, *, bends: bool) -> FrictionLaw:
-    curves = [StribeckCurve(*rng.uniform(0.2, 2.0, 3).tolist(), 0.3) for _ in range(2)]
-    bristle = (LuGre(*curves, float(rng.uniform(50.0, 500.0)), 0.0),) if bends else ()
+    forward, reverse = (StribeckCurve(*row) for row in rng.uniform(0.2, 2.0, (2, 4)).tolist())
+    bristle = (LuGre(forward, reverse, float(rng.uniform(50.0, 500.0)), 0.0),) if bends else ()
     spring = SpringTorque(float(rng.uniform(0.1, 2.0)), 0.1)
-    return FrictionLaw((BidirectionalStribeck(*curves), *bristle, LoadCoulomb(0.1), spring))
+    return FrictionLaw((BidirectionalStribeck(forward, reverse), *bristle, LoadCoulomb(0.1), spring))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -45,8 +45,7 @@ def test_each_joint_gets_what_its_own_law_gives(seed: int) -> None:
             assert law is not None
             alone = resist(law, own, [one[:, :, k] for one in memory], h, float(top[j]))
             for seen, expected in zip(together, alone, strict=True):
-                seen = np.broadcast_to(seen, (shape[0], len(at)))[:, k]
-                assert np.array_equal(seen, np.broadcast_to(expected, shape[0]))
+                assert np.array_equal(np.broadcast_to(seen, point.speed.shape)[:, k], np.broadcast_to(expected, 5))
             own_after = advance_states(law, own, [one[:, :, k] for one in memory], h)
             assert all(np.array_equal(x[:, :, k], y) for x, y in zip(after, own_after, strict=True))
 
