@@ -20,10 +20,11 @@ $(VENV)/installed: requirements.lock pyproject.toml
 calibrate: $(VENV)/installed
 	$(BIN)/fricomp calibrate --backend sim --out runs/demo --overwrite
 
-# The default part first: it is quick and finds most.
+# The default part first: it is quick and finds most. Each worker takes neighbouring tests, so that what a module makes
+# for all of them is made once, and helps the other with its rest.
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
-	$(BIN)/python -m pytest -n $(JOBS) -m slow
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m "not slow"
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m slow
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .

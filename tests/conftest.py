@@ -1,6 +1,8 @@
-"""What holds for every test: property tests draw the same examples, and store none; one browser; white charts."""
+"""What holds for every test: property tests draw the same examples, and store none; one thread of linear algebra a
+process; one browser; white charts."""
 
 import json
+import os
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -9,6 +11,11 @@ from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import settings
+
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(
+        _threads, "1"
+    )  # numpy is not loaded yet; two workers with two threads each wait for each other
 
 settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
 settings.load_profile("repeatable")

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, LoadScaling
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
@@ -37,6 +38,7 @@ _SENSITIVITY_EVIDENCE = 3.84
 """Twice the gain in likelihood (95 % of chi-square) that a load sensitivity other than 1 must bring."""
 
 
+@one_blas_thread()
 def identify(
     velocity: ArrayLike,
     torque: ArrayLike,

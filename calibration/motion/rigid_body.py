@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
@@ -137,6 +138,7 @@ def _is_one_way(velocity: FloatArray) -> bool:
     return bool(np.all(velocity > 0.0) or np.all(velocity < 0.0))
 
 
+@one_blas_thread()
 def identify_motion(
     samples: JointSamples,
     settings: RegressionSettings = _DEFAULTS,

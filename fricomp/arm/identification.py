@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
@@ -86,6 +87,7 @@ class ArmIdentification:
     rivals: dict[str, tuple[str, ...]]
 
 
+@one_blas_thread()
 def identify_arm(
     arm: SimulatedArm, recording: ArmRecording, prior: ArmPrior | None = None, progress: Progress | None = None
 ) -> ArmIdentification:

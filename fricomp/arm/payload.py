@@ -17,6 +17,7 @@ import numpy as np
 from scipy.signal import butter, filtfilt
 from scipy.stats import norm, t
 
+from fricomp.blas import one_blas_thread
 from fricomp.diagnosis.inputs.checks import reasons_against
 from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
@@ -114,6 +115,7 @@ def group_sessions(recordings: Sequence[Recording]) -> list[Session]:
     return sessions
 
 
+@one_blas_thread()
 def diagnose_payload(
     recordings: Sequence[Recording],
     simulation: str | Path,

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
@@ -25,6 +26,7 @@ __all__ = ["evaluate", "evaluate_joint"]
 Source = str | os.PathLike[str]
 
 
+@one_blas_thread()
 def evaluate(
     model: FrictionModel | Source,
     recording: Recording | Source,

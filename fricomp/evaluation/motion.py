@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -117,9 +118,16 @@ def read_motion(recording: Recording, *, band: float | None = None) -> RecordedM
 
 def low_pass(values: FloatArray, band: float, dt: float) -> FloatArray:
     """Butterworth low-pass up to `band` [Hz], forward and backward, so that nothing is delayed. Shape (n,)."""
-    sections = butter(EVALUATION.order, band, fs=1.0 / dt, output="sos")
-    result: FloatArray = sosfiltfilt(sections, values)
+    result: FloatArray = sosfiltfilt(_design_low_pass(band, dt), values)
     return result
+
+
+@lru_cache(maxsize=64)
+def _design_low_pass(band: float, dt: float) -> FloatArray:
+    """Sections of the low-pass; a refit filters thousands of times with the same, and its design takes longer than that
+    of filtering. Nobody writes into it."""
+    sections: FloatArray = butter(EVALUATION.order, band, fs=1.0 / dt, output="sos")
+    return sections
 
 
 def _split_at_gaps(recording: Recording) -> list[Recording]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
@@ -57,6 +58,7 @@ def split_folds(motion: RecordedMotion) -> tuple[tuple[tuple[float, float], ...]
     return tuple(tuple(one) for one in folds)
 
 
+@one_blas_thread()
 def refit_model(
     model: FrictionModel, motions: Sequence[RecordedMotion], *, held: Sequence[str] = (), fold: bool = True
 ) -> Refit:

@@ -128,7 +128,7 @@ def test_several_joints_without_an_arm_are_refused_by_name(arm: Path) -> None:
         diagnose([*amperes, *amperes], arm)
 
 
-@pytest.mark.parametrize("light", ["ur10e/fourier", "ur10e/points"])
+@pytest.mark.parametrize("light", ["ur10e/fourier", pytest.param("ur10e/points", marks=pytest.mark.slow)])
 def test_the_known_payload_of_a_real_arm(tmp_path: Path, light: str) -> None:
     """Weighed: 2.805 kg. The motion without it is the same one, or another."""
     if find_public_data("ur10e") is None:

@@ -24,6 +24,8 @@ from fricomp.overview import format_with_reach
 from fricomp.recording import read_recording
 from fricomp.recording.named.source import read_named_columns
 
+from .called import call
+
 SHORT = ["--speeds", "0.01,0.03,0.05,0.08,0.3,1.5", "--repeats", "1", "--dwell", "0.4", "--warm-up", "0.5"]
 QUICK = [*SHORT, "--method", "least_squares"]
 COMMAND = [sys.executable, "-m", "fricomp.cli.main", "calibrate", "--backend", "sim"]
@@ -31,7 +33,7 @@ COMMAND = [sys.executable, "-m", "fricomp.cli.main", "calibrate", "--backend", "
 
 def _fails(*arguments: str) -> str:
     """The one sentence on stderr of a run that ends with status 2."""
-    done = subprocess.run([*COMMAND, *arguments], check=False, capture_output=True, text=True, timeout=120)
+    done = call("calibrate", "--backend", "sim", *arguments)
     assert done.returncode == 2, done.stderr
     lines = done.stderr.strip().splitlines()
     assert len(lines) == 1, done.stderr
@@ -259,9 +261,7 @@ def test_a_drive_without_its_file_says_how_to_give_it(tmp_path: Path) -> None:
 
 
 def test_an_unknown_backend_is_one_sentence_with_the_known_ones() -> None:
-    done = subprocess.run(
-        [*COMMAND[:-2], "--backend", "telepathy"], check=False, capture_output=True, text=True, timeout=120
-    )
+    done = call("calibrate", "--backend", "telepathy")
     assert done.returncode == 2
     assert "unknown backend 'telepathy'" in done.stderr
     assert "sim" in done.stderr
@@ -345,6 +345,7 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_was_written(tmp_path: Path) 
     assert load_sweep(out / "recording.csv").blocks
 
 
+@pytest.mark.usefixtures("white_charts")
 def test_the_log_of_a_sweep_holds_its_motion_and_what_the_model_leaves(tmp_path: Path) -> None:
     pytest.importorskip("mcap")
     log = tmp_path / "sweep.mcap"

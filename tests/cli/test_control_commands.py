@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -14,6 +13,8 @@ import pytest
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, Validity, load_model, save_model
 
+from .called import call as fricomp
+
 
 @pytest.fixture
 def model(tmp_path: Path) -> Path:
@@ -21,11 +22,6 @@ def model(tmp_path: Path) -> Path:
     law = FrictionLaw((BidirectionalStribeck(*curves),))
     save_model(FrictionModel(law, joint="elbow", validity=Validity(velocity=(-1.0, 1.0))), tmp_path / "friction.json")
     return tmp_path / "friction.json"
-
-
-def fricomp(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "fricomp.cli.main", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def test_export_prints_c_and_says_what_is_kept(model: Path) -> None:

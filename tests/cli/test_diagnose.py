@@ -2,10 +2,9 @@
 
 import json
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
+from subprocess import CompletedProcess
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,8 @@ from fricomp.fleet import find_recordings
 from fricomp.laws import Coulomb, FrictionLaw
 from fricomp.model import FrictionModel, Provenance, save_model
 from fricomp.recording import Recording, RecordingMetadata, read_recording, write_recording
+
+from .called import call
 
 _JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
 <inertial pos="0.2 0 0" mass="1" diaginertia="0.3 0.3 0.3"/></body></worldbody></mujoco>"""
@@ -71,6 +72,7 @@ def _changed(name: str) -> dict[str, np.ndarray]:
     return columns
 
 
+@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize(
     ("case", "metadata", "says"),
     [
@@ -99,9 +101,13 @@ def test_bad_input_is_bad_data_and_never_a_name(
     assert not (out / "friction.json").exists()
 
 
+@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize(
     ("case", "says"),
-    [("standstill", "12998 rows of long rests"), ("two sample rates", "it changes from 500 to 125 Hz")],
+    [
+        pytest.param("standstill", "12998 rows of long rests", marks=pytest.mark.slow),
+        ("two sample rates", "it changes from 500 to 125 Hz"),
+    ],
 )
 def test_what_is_left_of_a_log_is_diagnosed_and_told(case: str, says: str, tmp_path: Path) -> None:
     path, out = _save(tmp_path, _changed(case)), tmp_path / "out"
@@ -112,9 +118,8 @@ def test_what_is_left_of_a_log_is_diagnosed_and_told(case: str, says: str, tmp_p
     assert says in " ".join(json.loads((out / "diagnosis.json").read_text())["sentences"])
 
 
-def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "fricomp.cli.main", "diagnose", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+def _run(*arguments: str) -> CompletedProcess[str]:
+    return call("diagnose", *arguments)
 
 
 def test_nan_is_one_clear_sentence_with_its_row(tmp_path: Path) -> None:
@@ -311,6 +316,7 @@ def test_folders_and_patterns_are_the_recordings_in_them(tmp_path: Path) -> None
         find_recordings([str(tmp_path / "*.mcap")])
 
 
+@pytest.mark.usefixtures("white_charts")
 def test_each_recording_of_a_folder_gets_its_own_report(tmp_path: Path) -> None:
     source, out = tmp_path / "fleet", tmp_path / "out"
     source.mkdir()

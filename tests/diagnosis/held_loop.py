@@ -33,7 +33,7 @@ def _reference(seconds: float) -> FloatArray:
     return np.stack([position, np.gradient(position, DT)])
 
 
-def moved(rates: Derivative, rest: State, *, seconds: float = 6.0) -> tuple[Track, FloatArray]:
+def moved(rates: Derivative, rest: State, *, seconds: float = 4.0) -> tuple[Track, FloatArray]:
     """What the joint does from `rest`, and the reference that it is told."""
     reference, state, before = _reference(seconds), rest, rest[0]
     seen = np.empty((2, reference.shape[1]))

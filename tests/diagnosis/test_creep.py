@@ -47,7 +47,12 @@ def test_friction_is_viscous_below_the_creep_velocity(speed: float, lead: float,
 
 
 @pytest.mark.parametrize(
-    ("time", "kind", "rate"), [(0.02, "rests", 1000), (0.02, "multisine", 500), (0.01, "sweep", 1000)]
+    ("time", "kind", "rate"),
+    [
+        (0.02, "rests", 1000),
+        pytest.param(0.02, "multisine", 500, marks=pytest.mark.slow),
+        pytest.param(0.01, "sweep", 1000, marks=pytest.mark.slow),
+    ],
 )
 def test_creep_is_found_where_the_simulator_made_it(time: float, kind: str, rate: int) -> None:
     truth = FrictionLoss(time=time)

@@ -20,6 +20,7 @@ def _only(found: Diagnosis, name: str) -> dict[str, float]:
     return {key: one.value for key, one in found.effects[0].parameters.items()}
 
 
+@pytest.mark.slow
 def test_cogging_beside_friction_that_creeps() -> None:
     found = _diagnosed(FrictionLoss(cogging=0.3), "rests")
     assert _only(found, "cogging")["order"] == pytest.approx(12.0, abs=0.1)

@@ -68,16 +68,22 @@ def _model(kind: str) -> FrictionModel:
     return FrictionModel(LAWS[kind], dynamics=DYNAMICS)
 
 
+@cache
+def _evaluated(kind: str) -> Evaluation:
+    """The true model on its own recording."""
+    return evaluate(_model(kind), _recording(_made(kind)))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_true_model_leaves_no_more_than_the_noise_in_the_band(kind: str) -> None:
-    found = evaluate(_model(kind), _recording(_made(kind)))
+    found = _evaluated(kind)
     noise = NOISE * (found.torque.band / (0.5 / DT)) ** 0.5
     assert noise < found.torque.rms < 2.5 * noise  # about reversals the low-pass blurs what jumps
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_true_model_moves_as_recorded(kind: str) -> None:
-    found = evaluate(_model(kind), _recording(_made(kind)))
+    found = _evaluated(kind)
     assert [one.after for one in found.position] == [0.1, 0.5, 2.0]
     for one, share in zip(found.position, (0.005, 0.005, 0.005), strict=True):
         assert one.median < share * one.travel
@@ -96,7 +102,7 @@ def test_equations_of_the_tests_find_the_same_torque_error(kind: str, off: float
 
 
 def test_a_wrong_model_is_further_off_in_torque_and_motion() -> None:
-    right, wrong = (evaluate(_model(kind), _recording(_made("load"))) for kind in ("load", "null"))
+    right, wrong = _evaluated("load"), evaluate(_model("null"), _recording(_made("load")))
     assert wrong.torque.rms > 10.0 * right.torque.rms
     for good, bad in zip(right.position, wrong.position, strict=True):
         assert bad.median > 5.0 * good.median

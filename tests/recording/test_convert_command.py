@@ -1,8 +1,7 @@
 """`fricomp convert`: writes what it read, says what it noticed, refuses what cannot be used."""
 
-import subprocess
-import sys
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
@@ -10,6 +9,8 @@ import pytest
 from fricomp.cli.convert import convert
 from fricomp.errors import FricompError, OutputError, RecordingError
 from fricomp.recording import read_recording
+
+from ..cli.called import call
 
 MAPPING = """
 [channels]
@@ -23,9 +24,8 @@ name = "knee"
 """
 
 
-def _convert(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "fricomp.cli.main", "convert", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+def _convert(*arguments: object) -> CompletedProcess[str]:
+    return call("convert", *arguments)
 
 
 @pytest.fixture

@@ -1,6 +1,8 @@
 """The second look names what the base cannot show, and leaves a good answer and a base at its noise alone."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from fricomp.diagnosis.evidence.confirmation import Confirmation
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.findings import Findings
 from fricomp.diagnosis.evidence.trial import Trial
+from fricomp.diagnosis.samples import second_look
 from fricomp.diagnosis.samples.fine_ripple import find_fine_ripple
 from fricomp.diagnosis.samples.proving import is_beyond_the_base, is_softer_than_the_base, simulate_base
 from fricomp.diagnosis.samples.second_look import look_into_samples, remove_ripple
@@ -39,6 +42,35 @@ _WAVE = {"order": 100.0, "sine": 0.1, "cosine": 0.0}
 _SLOW = _base(0.02, (9.0, 4.0, 0.05, 10.0), 9e-5)
 
 
+def _remembering(call: Callable[..., Any]) -> Callable[..., Any]:
+    """The same function, which gives what it gave before for the same objects; it keeps these, so that none is new."""
+    known: dict[tuple[int, ...], tuple[tuple[Any, ...], Any]] = {}
+
+    def called(*arguments: Any) -> Any:
+        key = tuple(map(id, arguments))
+        if key not in known:
+            known[key] = arguments, call(*arguments)
+        return known[key][1]
+
+    return called
+
+
+_find_ripple, _is_beyond = _remembering(find_fine_ripple), _remembering(is_beyond_the_base)
+_find_bristle, _is_softer = _remembering(find_soft_presliding), _remembering(is_softer_than_the_base)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def found_once() -> Iterator[None]:
+    """What is found in the samples depends on the arguments alone: each is looked at once for all tests here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(second_look, "find_fine_ripple", _find_ripple)
+        patch.setattr(second_look, "is_beyond_the_base", _is_beyond)
+        patch.setattr(second_look, "find_soft_presliding", _find_bristle)
+        patch.setattr(second_look, "is_softer_than_the_base", _is_softer)
+        yield
+
+
+@cache
 def _waving(ripple: float) -> Recording:
     """A slow joint whose speed waves along the way, through the falling part of its Stribeck curve."""
     t = np.arange(8000) / 1000.0
@@ -49,6 +81,7 @@ def _waving(ripple: float) -> Recording:
     return replace(recording, torque=recording.torque + ripple * np.sin(700.0 * q))
 
 
+@cache
 def _braked() -> Recording:
     """A band brake with a bristle of 9 kN that gives way over 4 mm."""
     t = np.arange(7000) / 1000.0
@@ -130,23 +163,23 @@ def test_a_ripple_no_finer_than_that_of_the_rows_stays_a_candidate() -> None:
 
 
 def test_a_bristle_that_the_base_has_itself_is_none() -> None:
-    assert find_soft_presliding(_braked()) is not None
-    assert is_softer_than_the_base(_braked(), _BRAKE, 0)
+    assert _find_bristle(_braked()) is not None
+    assert _is_softer(_braked(), _BRAKE, 0)
     soft = _base(1.0, (9000.0, 0.0, 0.02, 4000.0), 0.004)
-    assert not is_softer_than_the_base(_braked(), soft, 0)
+    assert not _is_softer(_braked(), soft, 0)
 
 
 def test_friction_that_waves_with_the_speed_is_no_ripple() -> None:
-    alone = find_fine_ripple(_waving(0.0))
+    alone = _find_ripple(_waving(0.0), 0)
     assert alone is not None  # its own plain base takes it for one
-    assert not is_beyond_the_base(_waving(0.0), alone, _SLOW, 0)
+    assert not _is_beyond(_waving(0.0), alone, _SLOW, 0)
 
 
 def test_a_ripple_on_top_of_that_is_one() -> None:
-    found = find_fine_ripple(_waving(0.5))
+    found = _find_ripple(_waving(0.5), 0)
     assert found is not None
     assert found.harmonics[0].order == pytest.approx(700.0, rel=1e-3)
-    assert is_beyond_the_base(_waving(0.5), found, _SLOW, 0)
+    assert _is_beyond(_waving(0.5), found, _SLOW, 0)
 
 
 def test_the_base_alone_gives_the_recording_of_a_joint_with_nothing_missing() -> None:

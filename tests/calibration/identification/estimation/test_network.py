@@ -87,10 +87,12 @@ def test_training_holds_linear_algebra_to_one_thread_and_gives_it_back() -> None
     def threads() -> list[int]:
         return [pool["num_threads"] for pool in pools.threadpool_info() if pool["user_api"] == "blas"]
 
-    before = threads()
-    with one_blas_thread():
-        assert set(threads()) <= {1}
-    assert threads() == before
+    with pools.threadpool_limits(2, user_api="blas"):
+        before = threads()
+        with one_blas_thread():
+            assert set(threads()) <= {1}
+        assert threads() == before
+        assert set(before) == {2}
 
 
 def _repeated(speeds: int, visits: int) -> IdentificationResult:
