@@ -26,5 +26,5 @@ def call(*arguments: object) -> CompletedProcess[str]:
             run()
         except SystemExit as end:
             status = end.code if isinstance(end.code, int) else int(end.code is not None)
-    texts = [stream.buffer.getvalue().decode() for stream in (told, complained)]  # type: ignore[attr-defined]
+    texts = [stream.buffer.getvalue().decode() for stream in (told, complained)]
     return CompletedProcess(command, status, *texts)
