@@ -14,7 +14,13 @@ REPORT = ("matplotlib", "jinja2", "plotly")
 """What draws a report: imported last of all, and asked for before anything moves or is thrown away."""
 
 # Import name to distribution, where they differ.
-_DISTRIBUTION = {"can": "python-can", "serial": "pyserial", "sklearn": "scikit-learn", "distributed": "dask"}
+_DISTRIBUTION = {
+    "can": "python-can",
+    "serial": "pyserial",
+    "sklearn": "scikit-learn",
+    "distributed": "dask",
+    "mcap_protobuf": "mcap-protobuf-support",
+}
 _REQUIREMENT = re.compile(r"^([A-Za-z0-9_.-]+).*extra == ['\"]([a-z]+)['\"]")
 _COLLECTIVE = ("all", "dev")
 

@@ -53,6 +53,8 @@ class Source(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         columns: Numbers in one row of a binary file.
         records: Where the rows of a JSON file are, keys joined by dots.
         topic: Topic of an MCAP or rosbag2 file; empty is the only JointState topic.
+        join: Topics whose columns are read at the instants of `topic`, on straight lines between their messages.
+        clock: Time of messages: `stamp`, their own where they have one; `log`, when they were logged.
     """
 
     format: Format | None = None
@@ -64,6 +66,8 @@ class Source(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     columns: Annotated[int, Meta(ge=1)] = 1
     records: str = ""
     topic: str = ""
+    join: tuple[str, ...] = ()
+    clock: Literal["stamp", "log"] = "stamp"
 
 
 class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -8,7 +8,7 @@ from pathlib import Path
 from fricomp.recording.named.choice import INTEGRAL
 from fricomp.recording.named.clock import NANOSECONDS
 from fricomp.recording.named.log import NamedLog
-from fricomp.recording.named.source import read_layout
+from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
 
@@ -26,7 +26,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         log: What was read from it by names.
     """
     layout = read_layout(path) if path.is_file() and is_text(path) else None
-    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *_describe_source(layout)]
+    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *_describe_source(path, layout)]
     joints = {name: dict(columns) for name, columns in log.sources.items()}
     metadata = log.recordings[0].metadata
     facts = {"torque_unit": metadata.torque_unit, "motion": metadata.motion, "torque_kind": metadata.torque_kind}
@@ -49,9 +49,11 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _describe_source(layout: TextLayout | None) -> list[str]:
+def _describe_source(path: Path, layout: TextLayout | None) -> list[str]:
     if layout is None:
-        return []
+        source = choose_topics(path)
+        joined = ", ".join(map(_quote, source.join))
+        return ["[source]", f"topic = {_quote(source.topic)}", f"join = [{joined}]"] if source.join else []
     skipped = layout.names_line if layout.is_plain else layout.rows_line
     lines = ["[source]", f"header = {str(layout.is_plain).lower()}", f"delimiter = {_quote(layout.delimiter)}"]
     lines += [f"skip_lines = {skipped}"] if skipped else []

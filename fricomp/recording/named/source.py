@@ -14,14 +14,18 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources import is_text, read_columns
+from fricomp.recording.sources.reader import refuse_damage
+from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
 from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_nan, read_lines
 from fricomp.recording.sources.text_layout import TextLayout, find_layout
+from fricomp.recording.sources.topic import Topic
 from fricomp.recording.validity import Samples
 
 from .column import read_column_name
 
 __all__ = [
     "FirstLines",
+    "choose_topics",
     "explain_unnamed",
     "has_rows",
     "is_bag_folder",
@@ -61,8 +65,47 @@ def read_named_columns(path: Path, topic: str = "") -> dict[str, Samples]:
     """
     if path.is_file() and is_text(path):
         return _read_text(path)
-    columns = read_columns(path, Source(topic=topic), ())
+    topics = {} if topic else _read_topics(path)
+    if topics:
+        columns = tabulate_topics(topics, _choose_topics(topics), path)
+    else:
+        columns = read_columns(path, Source(topic=topic), ())
     return {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
+
+
+def choose_topics(path: Path) -> Source:
+    """How the topics of an MCAP file are read without a mapping: that with the positions leads, others with a quantity
+    are joined to it.
+
+    Where no topic or several have positions nothing is joined, and each message is a row: these are devices of one
+    kind.
+
+    Raises:
+        RecordingError: The file cannot be read.
+        MissingExtraError: The package that reads it is not installed.
+    """
+    return _choose_topics(_read_topics(path))
+
+
+def _read_topics(path: Path) -> dict[str, Topic]:
+    """Messages of an MCAP file that are not ROS's, by topic; empty for any other file."""
+    if not path.is_file() or path.suffix.lower() != ".mcap":
+        return {}
+    with refuse_damage(path, "mcap"):
+        return read_topics(path)
+
+
+def _choose_topics(topics: Mapping[str, Topic]) -> Source:
+    said = {name: _list_quantities(topic) for name, topic in topics.items() if len(topic.records) > 1}
+    leads = [name for name, quantities in said.items() if "position" in quantities]
+    others = tuple(sorted(name for name, quantities in said.items() if quantities and name not in leads))
+    return Source(topic=leads[0], join=others) if len(leads) == 1 and others else Source()
+
+
+def _list_quantities(topic: Topic) -> set[str]:
+    """What the columns of a topic are, by their names; its time is none."""
+    meanings = [read_column_name(str(name)) for name in topic.to_columns() if name != "time"]
+    return {one.channel for one in meanings if one is not None} - {"time"}
 
 
 class FirstLines(NamedTuple):

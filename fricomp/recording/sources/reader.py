@@ -1,6 +1,7 @@
 """Which module reads which format."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from fricomp.errors import FricompError, RecordingError
@@ -66,10 +67,21 @@ def read_columns(path: Path, source: Source, keys: Collection[Column], *, skip_b
     if not path.exists():
         raise RecordingError(f"no source at {path}: check the path")
     kind = source.format or _guess_format(path)
-    try:
+    with refuse_damage(path, kind):
         if kind == "text":
             return read_text(path, source, keys, skip_bad_rows=skip_bad_rows)
         return _READERS[kind](path, source)
+
+
+@contextmanager
+def refuse_damage(path: Path, kind: Format) -> Iterator[None]:
+    """What a reader of this format stumbles over is one error.
+
+    Raises:
+        RecordingError: In place of whatever else is raised.
+    """
+    try:
+        yield
     except FricompError:
         raise
     except OSError as error:

@@ -1,10 +1,12 @@
-"""ROS logs: JointState messages in rosbag2 folders, MCAP and ROS 1 bags, and JSON messages in MCAP.
+"""Robot logs: MCAP with JSON or protobuf messages, JointState messages in rosbag2 folders, MCAP and ROS 1 bags.
 
 Columns of a JointState topic: `time` [s] from the header's stamp, or from the log where there is none, `log_time` [s],
-and for each joint `<joint>.position`, `<joint>.velocity`, `<joint>.effort`; of JSON messages: their fields, and `time`
-from the log.
+and for each joint `<joint>.position`, `<joint>.velocity`, `<joint>.effort`; of other messages: their fields, and `time`
+from their stamp or from the log. A mapping joins topics by time; see `topic`.
 """
 
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,37 +16,109 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns, columns_of_records
+from fricomp.recording.sources.protobuf_message import read_stamped_message
+from fricomp.recording.sources.topic import Topic, join_topics
 from fricomp.untrusted import parse_json
 
 _JOINT_STATE = ("sensor_msgs/msg/JointState", "sensor_msgs/JointState")
 
 
 def read_mcap(path: Path, source: Source) -> Columns:
-    """Read an MCAP file with JSON or ROS messages.
+    """Read an MCAP file with JSON, protobuf or ROS messages.
 
     Raises:
-        MissingExtraError: mcap or rosbags is not installed.
+        MissingExtraError: mcap, its support of protobuf, or rosbags is not installed.
         RecordingError: The file is damaged or has no such topic.
+    """
+    topics = read_topics(path)
+    if not topics or (source.topic and source.topic not in topics):
+        return read_rosbag(path, source)
+    return tabulate_topics(topics, source, path)
+
+
+def tabulate_topics(topics: dict[str, Topic], source: Source, path: Path) -> Columns:
+    """One table of the messages: of the topics that are asked for, joined by time, or else of all, a row each.
+
+    Args:
+        topics: As read from an MCAP file.
+        source: Which of them lead and join.
+        path: Of the file, for messages.
+
+    Raises:
+        RecordingError: It is not said which topic leads, or one is not there.
+    """
+    if source.join or source.topic:
+        topic = _choose_topic(set(topics) - set(source.join), source.topic, path)
+        return join_topics(topics, topic, source.join, clock=source.clock)
+    return _read_in_turns(topics, source.clock)
+
+
+def read_topics(path: Path) -> dict[str, Topic]:
+    """The JSON and protobuf messages of an MCAP file, by topic; empty where it has none, as one of ROS has.
+
+    Raises:
+        MissingExtraError: mcap or its support of protobuf is not installed.
+        RecordingError: The file is damaged.
     """
     try:
         from mcap.exceptions import McapError
         from mcap.reader import make_reader
     except ImportError as error:
         raise MissingExtraError("mcap", "convert") from error
+    topics: dict[str, Topic] = {}
+    decode = _Decoder()
     try:
         with path.open("rb") as stream:
-            records = [
-                {**fields, "time": fields.get("time", message.log_time * 1e-9)}
-                for _, channel, message in make_reader(stream).iter_messages(source.topic or None)
-                if channel.message_encoding == "json" and isinstance(fields := parse_json(message.data), dict)
-            ]
+            for schema, channel, message in make_reader(stream).iter_messages():
+                record = decode(channel.message_encoding, schema, message.data)
+                if record is not None:
+                    topics.setdefault(channel.topic, Topic()).add(message.log_time * 1e-9, record)
     except (McapError, msgspec.DecodeError, UnicodeDecodeError) as error:
         raise RecordingError(f"{path} is no MCAP file that can be read: {error}") from error
-    return columns_of_records(records) if records else read_rosbag(path, source)
+    return topics
+
+
+class _Decoder:
+    """Records of messages; the classes of protobuf are built once for each schema."""
+
+    def __init__(self) -> None:
+        self._factory: Any = None
+        self._readers: dict[int, Any] = {}
+
+    def __call__(self, encoding: str, schema: Any, data: bytes) -> dict[str, Any] | None:
+        """The fields of a message; None where it is of another encoding, or no object."""
+        if encoding == "json":
+            found = parse_json(data)
+            return found if isinstance(found, dict) else None
+        if encoding != "protobuf" or schema is None:
+            return None
+        if schema.id not in self._readers:
+            self._readers[schema.id] = self._build_reader(encoding, schema)
+        read = self._readers[schema.id]
+        return None if read is None else read_stamped_message(read(data))
+
+    def _build_reader(self, encoding: str, schema: Any) -> Any:
+        if self._factory is None:
+            try:
+                from mcap_protobuf.decoder import DecoderFactory
+            except ImportError as error:
+                raise MissingExtraError("mcap_protobuf", "convert") from error
+            self._factory = DecoderFactory()
+        return self._factory.decoder_for(encoding, schema)
+
+
+def _read_in_turns(topics: dict[str, Topic], clock: str) -> Columns:
+    """The messages of all topics, a row each, as they were logged; what the others say is missing in a row."""
+    rows = [
+        (logged, {**record, "time": at})
+        for topic in topics.values()
+        for logged, at, record in zip(topic.log_time, topic.find_time(clock).tolist(), topic.records, strict=True)
+    ]
+    return columns_of_records([record for _, record in sorted(rows, key=lambda row: row[0])])
 
 
 def read_rosbag(path: Path, source: Source) -> Columns:
-    """Read the JointState messages of a bag.
+    """Read the JointState messages of a bag, with the topics that the mapping joins to them.
 
     Raises:
         MissingExtraError: rosbags is not installed.
@@ -59,13 +133,16 @@ def read_rosbag(path: Path, source: Source) -> Columns:
         raise MissingExtraError("rosbags", "convert") from error
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            connections = [c for c in reader.connections if c.msgtype in _JOINT_STATE]
-            topic = _choose_topic({c.topic for c in connections}, source.topic, path)
-            chosen = [c for c in connections if c.topic == topic]
-            messages = [(at * 1e-9, reader.deserialize(raw, c.msgtype)) for c, at, raw in reader.messages(chosen)]
+            states = {c.topic for c in reader.connections if c.msgtype in _JOINT_STATE}
+            topic = source.topic if source.join and source.topic else _choose_topic(states, source.topic, path)
+            chosen = [c for c in reader.connections if c.topic in (topic, *source.join)]
+            topics: dict[str, Topic] = {}
+            for connection, at, raw in reader.messages(chosen):
+                message = reader.deserialize(raw, connection.msgtype)
+                topics.setdefault(connection.topic, Topic()).add(at * 1e-9, _read_ros(message, connection, at * 1e-9))
     except (AnyReaderError, Reader1Error, Reader2Error) as error:
         raise RecordingError(f"{path} is no bag that can be read: {error}") from error
-    return columns_of_records([_joint_record(message, logged) for logged, message in messages])
+    return join_topics(topics, topic, source.join, clock=source.clock)
 
 
 def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:
@@ -73,8 +150,27 @@ def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:
         return wanted
     if wanted or len(topics) != 1:
         shown = ", ".join(sorted(topics)) or "none"
-        raise RecordingError(f"{path}: choose the JointState topic by 'topic' in the mapping; it has {shown}")
+        raise RecordingError(f"{path}: choose the topic by 'topic' in the mapping; it has {shown}")
     return next(iter(topics))
+
+
+def _read_ros(message: Any, connection: Any, logged: float) -> dict[str, Any]:
+    """The numbers of a ROS message: of joint states by joint, of others by field."""
+    return _joint_record(message, logged) if connection.msgtype in _JOINT_STATE else dict(_list_fields(message))
+
+
+def _list_fields(message: Any) -> Iterator[tuple[str, Any]]:
+    """Fields of a message and of those in it; a stamp is in seconds."""
+    for one in fields(message):
+        value = getattr(message, one.name)
+        if hasattr(value, "nanosec"):
+            yield one.name, value.sec + 1e-9 * value.nanosec
+        elif is_dataclass(value):
+            yield one.name, dict(_list_fields(value))
+        elif isinstance(value, np.ndarray):
+            yield one.name, value.tolist()
+        elif isinstance(value, bool | int | float):
+            yield one.name, value
 
 
 def _joint_record(message: Any, logged: float) -> dict[str, float]:
