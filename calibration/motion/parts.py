@@ -16,7 +16,7 @@ from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING
 from fricomp.recording.checks.timing_checks import locate_gaps
 from fricomp.recording.checks.torque_causes import find_delay
 from fricomp.recording.csv_file import FileContent
-from fricomp.recording.file import read_content
+from fricomp.recording.file import is_own, read_content
 from fricomp.recording.parts.parts import UsableParts, find_usable_parts
 from fricomp.untrusted import parse_json
 
@@ -136,7 +136,8 @@ def split_motion(recording: Recording, *, shortest_gap: float, margin: float) ->
 
 def _choose_blocks(recording: Recording, path: Path | str) -> tuple[Recording, tuple[str, ...]]:
     """The rows of the motion blocks, and a sentence on it; all rows where there is no such block."""
-    blocks = () if isinstance(path, str) or path.suffix.lower() in (".parquet", ".pq") else read_blocks(path)
+    has_blocks = not isinstance(path, str) and is_own(path) and path.suffix.lower() not in (".parquet", ".pq")
+    blocks = read_blocks(path) if has_blocks else ()
     if not blocks:
         return recording, ()
     kinds = [_kind_of(block.label) for block in blocks]

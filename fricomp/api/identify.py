@@ -39,9 +39,11 @@ if TYPE_CHECKING:
 
 __all__ = ["IdentifySettings", "identify", "identify_source"]
 
-_USUAL_LAW, _PLAIN_LAW = "stribeck", "coulomb_viscous"
+_USUAL_LAW = "stribeck"
+_PLAINER_LAWS = ("symmetric_stribeck", "coulomb_viscous")
+"""Laws with fewer parameters, the first of which that is as good takes the place of one that is not determined."""
 _AS_GOOD = 1.02
-"""What the plain law may leave, over what the usual one leaves: it has six parameters less."""
+"""What a plainer law may leave, over what the usual one leaves: it has four or six parameters less."""
 _AT_ZERO = 1e-4
 """Part of the largest torque, at the fastest speed, below which a viscous coefficient has run to zero."""
 _MASS = {"N·m": "kg·m²", "N": "kg"}
@@ -105,7 +107,8 @@ def identify(
         torque: Friction torque where `data` are velocities, with the sign of the velocity [N·m] or [N]. Shape (n,).
         normal_load: Normal load of these points, where dry friction depends on it. Shape () or (n,).
         law: As it is, `stribeck`, of a table that asks for another exponent than 2 `free_stribeck`, and of a recording
-            in which no Stribeck effect shows `coulomb_viscous` where that is as good. Or by name: `stribeck`, with
+            that does not determine its eight parameters `symmetric_stribeck` or `coulomb_viscous` where that is as
+            good. Or by name: `stribeck`, with
             eight parameters; `free_stribeck`, with an exponent of each direction besides; fewer where the data hold
             less: `symmetric_stribeck` where both directions are alike, `coulomb_viscous` or `coulomb` where nothing
             slow was measured, `tanh` or `arctan` for a curve without a step; of tables `auto`, which compares them on
@@ -270,24 +273,24 @@ def _identify_recording(
 def _identify_with_law(
     samples: JointSamples, settings: RegressionSettings, law: str, options: IdentificationOptions
 ) -> tuple[MotionIdentification, list[str]]:
-    """The motion by the law that was asked for; by the usual one, or by one without a bend where none shows.
+    """The motion by the law that was asked for; by the usual one, or by a plainer one where that says as much.
 
-    A joint without a Stribeck effect is the plainest there is: that its eight parameters are not determined is no fault
-    of the recording, where two of them leave no more of the torque.
+    That eight parameters are not determined is no fault of the recording where four with the same curve in both
+    directions, or two without a bend, leave no more of the torque.
     """
     found = identify_motion(samples, settings, law=law or _USUAL_LAW, options=options)
     if law or find_doubt_in_status(found.friction.status, "") is None:
         return found, []
-    try:
-        plain = identify_motion(samples, settings, law=_PLAIN_LAW, options=options)
-    except IdentificationError:
-        return found, []
-    worse = plain.friction.noise.level > _AS_GOOD * found.friction.noise.level
-    if worse or find_doubt_in_status(plain.friction.status, "") is not None:
-        return found, []
-    why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
-    said = f"Law: {_PLAIN_LAW}, which leaves no more of the torque than {_USUAL_LAW}, of which {why}."
-    return plain, [said]
+    for plainer in _PLAINER_LAWS:
+        try:
+            plain = identify_motion(samples, settings, law=plainer, options=options)
+        except IdentificationError:
+            continue
+        worse = plain.friction.noise.level > _AS_GOOD * found.friction.noise.level
+        if not worse and find_doubt_in_status(plain.friction.status, "") is None:
+            why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
+            return plain, [f"Law: {plainer}, which leaves no more of the torque than {_USUAL_LAW}, of which {why}."]
+    return found, []
 
 
 def _bound_notes(result: IdentificationResult) -> list[str]:

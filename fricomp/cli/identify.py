@@ -76,7 +76,7 @@ def identify(
             rich_help_panel="Friction",
             help="stribeck, free_stribeck (its exponent too), symmetric_stribeck, coulomb, coulomb_viscous, tanh or "
             "arctan; for tables also auto. As it is, stribeck; of a table that asks for another exponent "
-            "free_stribeck, of a recording without such an effect coulomb_viscous.",
+            "free_stribeck, of a recording that does not determine it symmetric_stribeck or coulomb_viscous.",
             show_default=False,
         ),
     ] = "",
@@ -203,9 +203,11 @@ def _require_arm(files: Sequence[str], simulation: Path, options: ArmOptions) ->
 
 def _is_fleet(files: Sequence[str]) -> bool:
     from fricomp.fleet import is_joint_table
+    from fricomp.recording.named.source import is_bag_folder
 
     only = Path(files[0])
-    several = len(files) > 1 or only.is_dir() or is_joint_table(files[0])
+    is_folder = only.is_dir() and not is_bag_folder(only)
+    several = len(files) > 1 or is_folder or is_joint_table(files[0])
     return several or (not only.exists() and any(character in files[0] for character in "*?["))
 
 

@@ -127,8 +127,8 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
     rows = _select_rows(plan, columns, path)
     rows, findings = _leave_out_others(plan, columns, rows)
     if mapping.skip_bad_rows:
-        keep = _find_usable(plan, columns, rows)
-        rows, findings = rows[keep], (*findings, *tell_bad_rows(keep))
+        keep, source = _find_usable(plan, columns, rows)
+        rows, findings = rows[keep], (*findings, *tell_bad_rows(keep, source))
     channels = _fill_all(plan, columns, rows)
     for name, rule in plan.channels.items():
         if rule.from_zero:
@@ -166,15 +166,17 @@ def _leave_out_others(
     return rows[keep], (Finding("other_device", "note", message, "nothing to do"),)
 
 
-def _find_usable(plan: _Plan, columns: Columns, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Which rows have a number in every column and a time that goes on. Shape (n_rows,).
+def _find_usable(plan: _Plan, columns: Columns, rows: NDArray[np.intp]) -> tuple[NDArray[np.bool_], dict[str, Samples]]:
+    """Which rows have a number in every column and a time that goes on, and what was asked. Shapes (n_rows,).
 
     Asked of the source, because one bad sample spoils all that follow it in a sum or an unwrapped angle.
     """
-    keep = np.all([np.isfinite(_take(find_column(columns, key), rows)) for key in _wanted_keys(plan)], axis=0)
-    time = _fill_all(plan, columns, rows[keep])["time"]
-    keep[keep] = find_usable_rows({"time": time})
-    return np.asarray(keep)
+    source = {str(key): _take(find_column(columns, key), rows) for key in _wanted_keys(plan)}
+    keep = np.all([np.isfinite(values) for values in source.values()], axis=0)
+    time = np.full(rows.size, np.nan)
+    time[keep] = _fill_all(plan, columns, rows[keep])["time"]
+    keep[keep] = find_usable_rows({"time": time[keep]})
+    return np.asarray(keep), {**source, "time": time}
 
 
 def _fill_all(plan: _Plan, columns: Columns, rows: NDArray[np.intp]) -> dict[str, Samples]:

@@ -53,7 +53,7 @@ def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], 
         channels: As for `find_invalid`, of equal lengths.
     """
     keep = find_usable_rows(channels)
-    return {name: values[keep] for name, values in channels.items()}, tell_bad_rows(keep)
+    return {name: values[keep] for name, values in channels.items()}, tell_bad_rows(keep, channels)
 
 
 def mend_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
@@ -112,20 +112,49 @@ def drop_twins(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tup
     return {name: values[~twins] for name, values in channels.items()}, (found,)
 
 
-def tell_bad_rows(keep: NDArray[np.bool_]) -> tuple[Finding, ...]:
-    """How many rows were left out; the more, the graver.
+def tell_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
+    """How many rows were left out, and why; the more, the graver.
 
     Args:
         keep: Rows that stay. Shape (n_samples,).
+        channels: All rows, as for `find_invalid`.
     """
     bad = np.flatnonzero(~keep)
     if not bad.size:
         return ()
     share = bad.size / keep.size
     severity: Severity = "error" if share > _TOO_MANY else "warning" if share > _MANY else "note"
-    message = f"{bad.size} of {keep.size} rows were left out: no finite number in every column, or no later time"
-    advice = "nothing to do: this was asked for" if severity == "note" else "look at what the source holds there"
-    return (Finding("bad_rows", severity, message, advice, int(bad[0]) + 1),)
+    why, advice = _explain_bad_rows(keep, channels)
+    if severity == "note":
+        advice = "nothing to do: this was asked for"
+    return (
+        Finding("bad_rows", severity, f"{bad.size} of {keep.size} rows were left out: {why}", advice, int(bad[0]) + 1),
+    )
+
+
+def _explain_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> tuple[str, str]:
+    """What most of the rows that do not stay lack, and what to do."""
+    empty = {name: int(np.count_nonzero(~np.isfinite(values))) for name, values in channels.items()}
+    most = max(empty, key=lambda name: empty[name])
+    if 2 * empty[most] >= np.count_nonzero(~keep):
+        return (
+            f"no finite number in every column, or no later time; {most} has no number in {empty[most]} of them",
+            f"look at what the source holds there, or leave the column of {most} out where it is not needed",
+        )
+    time = channels["time"]
+    repeated = np.count_nonzero(np.diff(time) == 0.0)
+    rate = find_row_rate(time[np.isfinite(time)])
+    if rate is None or repeated <= _MANY_REPEATED * time.size:
+        return "no finite number in every column, or no later time", "look at what the source holds there"
+    return f"{repeated} are stamped as the one before, by a clock that is coarser than they are", _advise_rate(rate)
+
+
+def _advise_rate(rate: float) -> str:
+    """What to write where several rows share each stamp and come at this rate [Hz]."""
+    return (
+        f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert --row-rate {rate:.5g}, or "
+        f"time = {{ rate = {rate:.5g} }} in a mapping"
+    )
 
 
 def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
@@ -170,10 +199,7 @@ def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
         advice = "remove the repeated rows (fricomp convert --skip-bad-rows keeps the first of each), "
         advice += "or write spread = true for time in a mapping, where the rows were taken evenly"
         if rate is not None:
-            advice = (
-                f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert --row-rate {rate:.5g}, or "
-                f"time = {{ rate = {rate:.5g} }} in a mapping"
-            )
+            advice = _advise_rate(rate)
         return (Finding("repeated_time", "error", message, advice, row + 1, "time"),)
     message = f"time falls from {time[row - 1]:.6g} s to {time[row]:.6g} s ({bad.size} rows do not advance)"
     advice = "split the file there or restore the clock: time must rise from row to row"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.validity import Samples
 
-from .column import ColumnMeaning, name_joint, read_column_name, simplify_joint
+from .column import ColumnMeaning, name_joint, read_column_name, read_column_unit, simplify_joint
 from .vendor import with_vendor_unit
 
 __all__ = ["INTEGRAL", "TORQUES", "Chosen", "choose_columns", "list_names"]
@@ -60,14 +60,24 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         raise RecordingError(
             f"{path} has no column {channels[missing[0]]!r} for --channel {missing[0]}: it has {list_names(columns)}"
         )
+    known = {name: meaning for name in columns for meaning in [asked.get(name) or read_column_name(name)] if meaning}
+    by_word = {meaning.channel for meaning in known.values()}
     for name, values in columns.items():
-        meaning = asked.get(name) or read_column_name(name)
+        meaning = known.get(name) or _read_by_unit(name, by_word)
         if meaning is None or (meaning.channel in channels and name not in asked) or not np.isfinite(values).any():
             continue
         meaning = with_vendor_unit(name, meaning, columns)
         own = candidates.setdefault(simplify_joint(meaning.joint), {})
         own.setdefault(meaning.channel, []).append((name, meaning))
     return candidates
+
+
+def _read_by_unit(name: str, by_word: Collection[str]) -> ColumnMeaning | None:
+    """What the unit in a name says, where the words of no column say which is that channel."""
+    meaning = read_column_unit(name)
+    if meaning is None or meaning.channel in by_word:
+        return None
+    return None if meaning.channel == "current" and "torque" in by_word else meaning
 
 
 def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None:
@@ -78,7 +88,10 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
         match = re.fullmatch(pattern, name)
         if match:
             meaning = read_column_name(name)
-            return ColumnMeaning(channel, match.group(1) or "", 3, meaning.unit if meaning else "")
+            joint = match.group(1) or ""
+            if joint and "{joint}" not in wanted:  # of the columns beside it, `observation.effort:3`
+                joint = "_".join([*wanted.split(".")[:-1], joint])
+            return ColumnMeaning(channel, joint, 3, meaning.unit if meaning else "")
     return None
 
 

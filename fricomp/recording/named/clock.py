@@ -14,19 +14,21 @@ from fricomp.recording.unit import find_unit
 from fricomp.recording.validity import Samples
 
 from .choice import list_names
+from .column import read_column_name
 
 __all__ = ["NANOSECONDS", "RowTimes", "find_stamps", "read_times"]
 
+_UNIT = r"(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min)"
+_CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
+"""Words that say whose clock it is, or since when it counts."""
 _TIME = re.compile(
-    r"^(.*[/_. ])?(t|ts|time|times|timestamps?|time stamps?|stamps?|elapsed|__time|date[_/ ]?time|clock|zeit"
-    r"|zeitstempel|temps|tiempo|tempo|x_value)"
-    r"((_in_|\s+in\s+|[_\s\[(]*)(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|hh:mm:ss.*)[\])]?)?$"
-    r"|^(secs?|seconds|t?ms|millis|micros|t?us)$",
+    r"^(.*[/_. ])?(t|ts|time|times|timestamps?|time stamps?|stamps?|tstamp|elapsed|__time|date[_/ ]?time|date|datum"
+    r"|clock|zeit|uhrzeit|zeitstempel|temps|heure|tiempo|hora|fecha|tempo|x_value)"
+    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(]*)({_UNIT[1:-1]}|hh:mm:ss.*)[\])]?)?$"
+    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$",
     re.IGNORECASE,
 )
-_SAID = re.compile(
-    r"(?<![a-z])(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min)[\])]?$", re.IGNORECASE
-)
+_SAID = re.compile(rf"(?<![a-z]){_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "msecs": "ms", "milliseconds": "ms", "µs": "us"}
 _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns"}
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds)$", re.IGNORECASE)
@@ -77,6 +79,8 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         if split is not None:
             seconds, rest = columns[split[0]], columns[split[1]]
             return RowTimes(NANOSECONDS.join(split), "s", (seconds - seconds[0]) + 1e-9 * (rest - rest[0]))
+        if all(read_column_name(name) is None for name in columns):
+            raise RecordingError(_explain_nameless(path, columns))
         raise RecordingError(
             f"{path} has no column of time: its columns are {list_names(columns)}. Call it time [s], or give the "
             "rate of its rows: 'fricomp convert LOG --row-rate 500 --out joint.csv' where 500 rows come a second"
@@ -93,6 +97,20 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
     unit = said or next(one for most, one in _TIME_UNITS if step <= most)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _explain_nameless(path: Path, columns: Mapping[str, Samples]) -> str:
+    """What to do with columns none of whose names says what it holds."""
+    if path.suffix.lower() == ".bin":
+        return (
+            f'{path} is bare numbers, which do not say how many columns they are: write format = "binary", dtype and '
+            "columns under [source] of a mapping, and the channels below (docs/recordings.md), and give it by --mapping"
+        )
+    return (
+        f"{path} has columns whose names do not say what they hold: {list_names(columns)}. Let 'fricomp convert {path} "
+        "--inspect --out log.toml' propose a mapping by what the numbers do, correct it, and give it by --mapping "
+        "log.toml"
+    )
 
 
 def _rises(values: Samples) -> bool:

@@ -5,21 +5,53 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from fricomp.recording.unit import UNITS
+
 from .unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
-__all__ = ["RAW_UNIT", "ColumnMeaning", "name_joint", "read_column_name", "simplify_joint"]
+__all__ = ["RAW_UNIT", "ColumnMeaning", "name_joint", "read_column_name", "read_column_unit", "simplify_joint"]
 
 _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 _QUANTITIES = {
-    "position": ("q", "pos", "position", "positions", "angle", "angles", "theta", "qpos", "winkel", "posizione"),
+    "position": (
+        "q",
+        "pos",
+        "position",
+        "positions",
+        "angle",
+        "angles",
+        "theta",
+        "qpos",
+        "winkel",
+        "posizione",
+        "phi",
+        "ang",
+        "displacement",
+        "stroke",
+        "weg",
+    ),
     "velocity": (
-        *("dq", "qd", "qdot", "vel", "velo", "velocity", "velocities", "speed", "omega", "qvel", "dtheta", "thetadot"),
+        *(
+            "dq",
+            "qd",
+            "qdot",
+            "vel",
+            "velo",
+            "velocity",
+            "velocities",
+            "speed",
+            "omega",
+            "spd",
+            "qvel",
+            "dtheta",
+            "thetadot",
+        ),
         *("geschwindigkeit", "drehzahl", "vitesse", "velocidad"),
     ),
     "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc", "beschleunigung"),
     "torque": (
-        *("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "tq", "tor", "force"),
+        *("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "torq", "tq", "tor", "force"),
         *("drehmoment", "kraft", "couple", "coppia", "pwm", "duty"),
     ),
     "current": ("current", "currents", "amps", "iq", "curr", "strom", "courant", "corriente"),
@@ -47,7 +79,7 @@ _WANTED: tuple[str, ...] = (
 _WANTED += ("setpoint", "soll")
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
-_MEASURED |= {"filtered": 0, "filt": 0, "in": 0}
+_MEASURED |= {"filtered": 0, "filt": 0, "in": 0, "ang": 0, "angular": 0}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
 as well. `tau_J` is a Franka's."""
 _RATES = {"dot": ("velocity", "acceleration"), "ddot": ("acceleration", "")}
@@ -74,6 +106,8 @@ _NO_CHANNEL = (
 
 _REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
 
+_ROTARY = ("rad", "rad/s", "N·m")
+"""Units that hardly anything but a joint has, so that the rest of a name may be the joint's own."""
 _ANGLES = ("theta", "angle", "angles", "winkel", "omega", "drehzahl")
 _FORCES = ("force", "kraft")
 """Words that say the unit of their quantity, or what it is not."""
@@ -142,6 +176,27 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     unit = RAW_UNIT if is_raw else unit_for(quantity, said[0].unit) if said else unit
     certainty = -1 if is_raw or unit == UNKNOWN_UNIT else max(measured, default=0)
     return ColumnMeaning(_find_channel(quantity, set(roles.values())), _cut_out(name, sorted(dropped)), certainty, unit)
+
+
+def read_column_unit(name: str) -> ColumnMeaning | None:
+    """Say what a column holds by the unit in its name, where no word of it is a quantity: `i_mA`, `elbow_Nm`.
+
+    A unit of one letter, or of a length, belongs to a name of one letter alone: `phase_A` is no current.
+    """
+    said = find_unit_words(name, 0)
+    kind = kind_of_unit(said[0].unit) if said else ""
+    if kind in ("", "voltage", "temperature") or _find_quantity(name, _split_words(name)) is not None:
+        return None
+    words = [one for one in _split_words(name) if not (one[1][0] < said[0].span[1] and said[0].span[0] < one[1][1])]
+    is_letter = len(words) == 1 and len(words[0][0]) == 1
+    if UNITS[said[0].unit].si not in _ROTARY and not is_letter:
+        return None
+    roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, -1, kind, has_unit=True))}
+    if "outside" in roles.values() or ("wanted" in roles.values() and kind not in _REFERENCES):
+        return None
+    dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in words if is_letter)]
+    channel = _find_channel(kind, set(roles.values()))
+    return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), -1, unit_for(kind, said[0].unit))
 
 
 def _split_words(name: str) -> list[tuple[str, tuple[int, int]]]:

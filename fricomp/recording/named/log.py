@@ -140,15 +140,25 @@ def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen)
             f"is no gear; else write position = {{ column = {motors[0]!r}, scale = 1/RATIO }} in a mapping, and "
             "scale = RATIO for a motor's torque (docs/recordings.md)"
         )
-    has_position = any("position" in own for own in chosen.values())
+    missing = "torque" if any("position" in own for own in chosen.values()) else "position"
+    what = {"torque": "the torque", "position": "a position and a torque"}[missing]
+    if missing == "position" and _has_torque(columns):
+        what = "the position"
     silent = [name for name, values in columns.items() if read_column_name(name) is None and _varies(values)]
     silent = [name for name in silent if name not in find_stamps(columns)]
-    such = f", such as --channel torque={silent[0]} where it is that one," if has_position and silent else ","
+    likely = silent[0].partition(":")[0] if silent else ""
+    such = f", such as --channel {missing}={likely} where it is that one," if likely and "and" not in what else ","
     return (
-        f"{path} does not say where {'the torque' if has_position else 'a position and a torque'} of a joint is: its "
-        f"columns are {list_names(columns)}. Name them such as q_1 and tau_1, say it by --channel torque=NAME{such} or "
-        f"give a --mapping ('fricomp convert {path} --inspect' has one to edit)"
+        f"{path} does not say where {what} of a joint is: its columns are {list_names(columns)}. Name them such as q_1 "
+        f"and tau_1, say it by --channel {missing}=NAME{such} or give a --mapping ('fricomp convert {path} --inspect' "
+        "has one to edit)"
     )
+
+
+def _has_torque(columns: Mapping[str, Samples]) -> bool:
+    """Whether the name of a column says that it is a torque, or stands for one."""
+    meanings = [read_column_name(name) for name in columns]
+    return any(meaning is not None and meaning.channel in TORQUES for meaning in meanings)
 
 
 def _varies(values: Samples) -> bool:

@@ -13,7 +13,7 @@ UNKNOWN_UNIT = "?"
 """Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
 
 _SPELLED = {
-    "deg": "deg degree degrees grad mdeg=mdeg mrad=mrad rad=rad radian=rad radians=rad",
+    "deg": "deg degree degrees grad mdeg=mdeg mrad=mrad rad=rad rads=rad radian=rad radians=rad",
     "turns": "turn turns rev revs revolution revolutions",
     "m": "m mm=mm cm=cm um=um inch=in in=in",
     "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s",
@@ -70,7 +70,7 @@ _ATOMS = frozenset(
 """What units consist of: a text in brackets of nothing else is a unit, and no remark."""
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _BARE = re.compile(
-    r"(?<![A-Za-z])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rad|rpm|1/min|u/min"
+    r"(?<![A-Za-z])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|rpm|1/min|u/min"
     r"|turns/s|turns|rev/s|rev|mnm|ncm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv)|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-z])"
 )
