@@ -66,6 +66,9 @@ _MOST_NOISE = 0.15
 better than its inertia, which comes out too small by as much."""
 _PERIODS = 20.0
 """Least length of each part between gaps, in periods of the cutoff: its margins take a quarter of it."""
+_LEAST_LONG = 0.8
+"""Part of the recorded time that must lie in parts of at least that length: one short part between two gaps does not
+keep the noise in all the others."""
 _LOWER = tuple(2.0 ** (-0.5 * step) for step in range(8))
 """Cutoffs to try, as fractions of the default ones; below the last, 4.4 Hz, few motions keep an acceleration."""
 
@@ -261,7 +264,7 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
     noisier: list[RegressionSettings] = []
     for factor in _LOWER:
         settings = _lower(factor, gravity)
-        if min(_durations(recording, settings)) < _PERIODS / settings.torque_cutoff:
+        if _share_long(recording, settings) < _LEAST_LONG:
             break
         power = float(np.var(sample_joint(recording, settings).acceleration))
         share = (2.0 * np.pi) ** 4 * density * settings.torque_cutoff**5 / (5.0 * max(power, 1e-300))
@@ -284,6 +287,14 @@ def _lower(factor: float, gravity: bool) -> RegressionSettings:
         gravity=gravity,
         margin=_DEFAULTS.margin / factor,
     )
+
+
+def _share_long(recording: Recording, settings: RegressionSettings) -> float:
+    """Part of the recorded time in parts between gaps that are long enough for these cutoffs."""
+    parts = split_for(recording, settings)
+    durations = [part.duration for part in parts.parts]
+    every = sum(durations) + sum(parts.short)
+    return sum(one for one in durations if one >= _PERIODS / settings.torque_cutoff) / max(every, 1e-300)
 
 
 def _durations(recording: Recording, settings: RegressionSettings) -> list[float]:

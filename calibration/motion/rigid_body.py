@@ -98,6 +98,7 @@ class MotionIdentification:
         points: Friction points behind it: velocity and torque. Shape (n, 2).
         lag: How late the torque comes, which has been taken off, also in `points`.
         presliding: Way after each rest and reversal that is left out since friction builds up on it [rad] or [m].
+        alike: How many of the samples count as one, because their errors go together.
     """
 
     rigid_body: RigidBodyFit
@@ -105,6 +106,7 @@ class MotionIdentification:
     points: FloatArray
     lag: TorqueLag
     presliding: float = 0.0
+    alike: float = 1.0
 
 
 def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows | None = None) -> RigidBodyFit:
@@ -170,12 +172,14 @@ def identify_motion(
     result = with_covariance(result, fit.lag.widen(together.covariance)[n_body:, n_body:])
     alone = _fit_together(fit.columns, fit.left, result, np.flatnonzero(fit.rows), reach=1)
     ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
-    result = with_open_profiles(weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio)))))
+    counts_as_one = max(1.0, float(np.max(ratio)))
+    result = with_open_profiles(weigh_rivals(result, fit.found, counts_as_one))
     result = with_lag_note(result, fit.lag)
     result = refuse_impossible(result, velocity, (fit.rigid.inertia, fit.rigid.standard_deviations[0]))
     if fit.shares_offset:
         result = with_offset_note(result, fit.symmetric_offset)
-    return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), fit.lag, presliding)
+    points = np.stack([velocity, friction], axis=1)
+    return MotionIdentification(fit.rigid, result, points, fit.lag, presliding, counts_as_one)
 
 
 @dataclass(frozen=True)

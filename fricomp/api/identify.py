@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -42,8 +43,9 @@ __all__ = ["IdentifySettings", "identify", "identify_source"]
 _USUAL_LAW = "stribeck"
 _PLAINER_LAWS = ("symmetric_stribeck", "coulomb_viscous")
 """Laws with fewer parameters, the first of which that is as good takes the place of one that is not determined."""
-_AS_GOOD = 1.02
-"""What a plainer law may leave, over what the usual one leaves: it has four or six parameters less."""
+_AS_GOOD, _NEARLY = 1.02, 1.1
+"""What a plainer law may leave over what the usual one leaves, whose four or six parameters more fit noise as well; and up
+to which it may where the gain of these is less than what so many parameters must bring by chance."""
 _AT_ZERO = 1e-4
 """Part of the largest torque, at the fastest speed, below which a viscous coefficient has run to zero."""
 _MASS = {"N·m": "kg·m²", "N": "kg"}
@@ -286,11 +288,20 @@ def _identify_with_law(
             plain = identify_motion(samples, settings, law=plainer, options=options)
         except IdentificationError:
             continue
-        worse = plain.friction.noise.level > _AS_GOOD * found.friction.noise.level
-        if not worse and find_doubt_in_status(plain.friction.status, "") is None:
+        if _is_as_good(plain, found) and find_doubt_in_status(plain.friction.status, "") is None:
             why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
             return plain, [f"Law: {plainer}, which leaves no more of the torque than {_USUAL_LAW}, of which {why}."]
     return found, []
+
+
+def _is_as_good(plain: MotionIdentification, usual: MotionIdentification) -> bool:
+    """Whether a law with fewer parameters says as much, by Schwarz's criterion on samples that do not go together."""
+    worse = plain.friction.noise.level / usual.friction.noise.level
+    if worse <= _AS_GOOD or worse > _NEARLY:
+        return worse <= _AS_GOOD
+    count = min(len(plain.points), len(usual.points)) / plain.alike
+    more = len(usual.friction.parameters) - len(plain.friction.parameters)
+    return count * math.log(worse) <= 0.5 * more * math.log(max(count, 2.0))
 
 
 def _bound_notes(result: IdentificationResult) -> list[str]:

@@ -8,7 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from fricomp.recording.checks.motion_kind import find_hand_motion, find_held_output, find_one_way, find_steps
+from fricomp.recording.checks.motion_kind import (
+    find_hand_motion,
+    find_held_output,
+    find_one_way,
+    find_silent_torque,
+    find_steps,
+)
 from fricomp.recording.checks.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
 from fricomp.recording.checks.timing_checks import (
     find_gaps,
@@ -19,6 +25,7 @@ from fricomp.recording.checks.timing_checks import (
 )
 from fricomp.recording.checks.torque_causes import find_unsigned_torque
 from fricomp.recording.checks.torque_sensor import find_torque_gain
+from fricomp.recording.checks.unit_change import find_unit_change
 from fricomp.recording.checks.unit_checks import (
     find_counts,
     find_degrees,
@@ -42,6 +49,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_rate_change,
     find_rest,
     find_counts,
+    find_unit_change,
     find_wraps,
     find_stuck,
     find_spikes,
@@ -59,6 +67,7 @@ _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other thing
     find_torque_gain,
     find_held_output,
     find_hand_motion,
+    find_silent_torque,
 )
 _ORDER = {"error": 0, "warning": 1, "note": 2}
 

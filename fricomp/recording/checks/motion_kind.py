@@ -19,13 +19,14 @@ __all__ = [
     "find_hand_motion",
     "find_held_output",
     "find_one_way",
+    "find_silent_torque",
     "find_steps",
     "fit_clamp",
 ]
 
 Samples = NDArray[np.float64]
 
-SHOWS_NO_SLIDING = frozenset({"no_sliding", "held_output", "hand_motion", "stepped"})
+SHOWS_NO_SLIDING = frozenset({"no_sliding", "held_output", "hand_motion", "silent_torque", "stepped"})
 """Codes of findings after which no friction of sliding can be identified, whatever a fit gives."""
 
 _BLOCKS = 400
@@ -62,6 +63,14 @@ _NO_FRICTION = 0.01
 """Friction over the torque's deviation, below which none shows."""
 _BY_ANGLE = 0.98
 """Part of the torque's variance that gravity must explain where no friction shows."""
+
+_SILENT_BLOCK, _SILENT_LAGS = 0.05, 5
+"""Time over which a torque is averaged [s], longer than the filter of a sensor colours its noise, and how many such
+means apart a torque that is noise alone must not be alike; no joint is driven to and fro faster for long."""
+_UNLIKE = 4.0
+"""Standard deviations that the correlation of noise with itself does not pass."""
+_SILENT = 0.05
+"""Part of the torque's variance that the motion may explain of noise alone: five parameters of a short log do."""
 
 
 class Clamp(NamedTuple):
@@ -192,3 +201,22 @@ def find_hand_motion(recording: Recording) -> tuple[Finding, ...]:
         "hand, or by something else that pays its friction; no friction is seen, which does not say that there is none"
     )
     return (Finding("hand_motion", "warning", message, "let the joint's own torque move it", column="torque"),)
+
+
+def find_silent_torque(recording: Recording) -> tuple[Finding, ...]:
+    """A torque that is noise alone while the joint moves: it follows neither itself of a moment before nor the motion."""
+    rows = max(1, round(_SILENT_BLOCK / recording.sample_period))
+    means = np.asarray(recording.torque)[: len(recording) // rows * rows].reshape(-1, rows).mean(axis=1)
+    torque = means - float(np.mean(means)) if means.size else means
+    power = float(torque @ torque)
+    fit = fit_joint(recording)
+    if fit is None or power == 0.0 or fit.explained > _SILENT or torque.size < _FEWEST_STEPS:
+        return ()
+    alike = [abs(float(torque[k:] @ torque[:-k])) / power for k in range(1, _SILENT_LAGS + 1)]
+    if max(alike) > _UNLIKE / np.sqrt(torque.size):
+        return ()
+    message = (
+        "the torque is noise alone while the joint moves: it follows neither the motion nor itself from one moment to "
+        "the next; its drive is off and something else moves the joint, or the column is none of this joint's torque"
+    )
+    return (Finding("silent_torque", "warning", message, "let the joint's own torque move it", column="torque"),)

@@ -1,0 +1,79 @@
+"""A channel whose unit changes within the recording: its values and its steps become another multiple at one row."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.checks.timing_checks import find_gap_length
+from fricomp.recording.finding import Finding
+from fricomp.recording.recording import Recording
+
+__all__ = ["find_unit_change"]
+
+Samples = NDArray[np.float64]
+
+_FACTORS = {
+    180.0 / np.pi: "as from radians to degrees",
+    360.0: "as from turns to degrees",
+    2.0 * np.pi: "as from turns to radians",
+    60.0: "as from turns a second to revolutions a minute",
+    30.0 / np.pi: "as from rad/s to revolutions a minute",
+    1000.0: "as from a unit to thousandths of it",
+}
+"""Factors between units that are taken for each other, and what they mean."""
+_LARGE = 20.0
+"""Step over the usual one beside it, from which on a row is looked at: knocks and reversals are smaller."""
+_NEAR = 4.0
+"""Usual steps, of the larger unit, by which the value after the change may miss the factor: the joint moves on."""
+_ALIKE = 3.0
+"""Factor by which the ratio of the usual steps may miss that of the units: the motion is not the same before and
+after."""
+_BESIDE = 20
+"""Rows to either side that tell the usual step at a row."""
+_FEWEST = 100
+"""Rows that each unit must have had."""
+_MOST_ROWS = 20
+"""Largest steps that are looked at."""
+
+
+def find_unit_change(recording: Recording) -> tuple[Finding, ...]:
+    """Position or velocity that changes its unit at one row, both in size and in how far it moves a row."""
+    for name in ("position", "velocity"):
+        values = recording.channels.get(name)
+        change = None if values is None else _locate_change(recording, np.asarray(values))
+        if change is not None:
+            row, factor, meaning = change
+            at = float(recording.time[row])
+            message = (
+                f"{name} is {factor:.4g} times as large from {at:.6g} s on, in its values and in its steps, {meaning}: "
+                "its unit changes"
+            )
+            advice = f"take what is in one unit (--to {at:.6g} or --from {at:.6g}), or convert the other rows first"
+            return (Finding("unit_change", "error", message, advice, row + 1, name),)
+    return ()
+
+
+def _locate_change(recording: Recording, values: Samples) -> tuple[int, float, str] | None:
+    """First row in the new unit, the factor, and what it means; None where there is none."""
+    step = np.where(np.diff(recording.time) > find_gap_length(recording), 0.0, np.diff(values))
+    size = np.abs(step)
+    if size.size < 2 * _FEWEST:
+        return None
+    for k in np.argsort(size)[::-1][:_MOST_ROWS].tolist():
+        if not _FEWEST <= k < size.size - _FEWEST or size[k] == 0.0:
+            continue
+        before, after = (_usual_step(one) for one in (size[k - _BESIDE : k], size[k + 1 : k + 1 + _BESIDE]))
+        if size[k] < _LARGE * min(before, after):
+            continue
+        long_before, long_after = _usual_step(size[:k]), _usual_step(size[k + 1 :])
+        for larger, meaning in _FACTORS.items():
+            for factor in (larger, 1.0 / larger):
+                missed = abs(values[k + 1] - factor * values[k])
+                fits = missed <= _NEAR * max(after, factor * before) and missed < 0.2 * size[k]
+                if fits and 1.0 / _ALIKE < long_after / (factor * long_before) < _ALIKE:
+                    return k + 1, factor, meaning if factor > 1.0 else f"{meaning} and back"
+    return None
+
+
+def _usual_step(size: Samples) -> float:
+    """Mean of the steps that are none of the largest tenth: an encoder makes most of them zero."""
+    return float(np.mean(np.sort(size)[: max(1, round(0.9 * size.size))])) + 1e-300
