@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -19,33 +18,27 @@ from fricomp.calibration.identification.estimation.form import separable_law_nam
 from fricomp.calibration.identification.exponent import FIXED_LAW, FREE_LAW, asks_for_exponent, is_shown
 from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
 from fricomp.calibration.motion.joint_samples import (
-    JointSamples,
     RegressionSettings,
     choose_settings,
     sample_joint,
     split_for,
 )
+from fricomp.calibration.motion.missed_gravity import with_gravity_doubt
 from fricomp.calibration.motion.parts import read_motion_recording
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
+from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.table import is_friction_table, read_friction_table
-from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
 from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
 
 from .identification import Identification
+from .motion_law import USUAL_LAW, identify_with_law
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 __all__ = ["IdentifySettings", "identify", "identify_source"]
 
-_USUAL_LAW = "stribeck"
-_PLAINER_LAWS = ("symmetric_stribeck", "coulomb_viscous")
-"""Laws with fewer parameters, the first of which that is as good takes the place of one that is not determined."""
-_AS_GOOD, _NEARLY = 1.02, 1.1
-"""What a plainer law may leave over what the usual one leaves, whose four or six parameters more fit noise as well; and up
-to which it may where the gain of these is less than what so many parameters must bring by chance."""
 _AT_ZERO = 1e-4
 """Part of the largest torque, at the fastest speed, below which a viscous coefficient has run to zero."""
 _MASS = {"N·m": "kg·m²", "N": "kg"}
@@ -156,7 +149,7 @@ def identify_source(
     Raises:
         FricompError: See `identify`.
     """
-    require_law(settings.law or _USUAL_LAW)
+    require_law(settings.law or USUAL_LAW)
     points = _points_of(source)
     if points is None:
         return _identify_recording(source, settings, flag)  # type: ignore[arg-type]
@@ -202,7 +195,7 @@ def _points_of(source: object) -> _Points | None:
 def _identify_table(points: _Points, settings: IdentifySettings, options: IdentificationOptions) -> Identification:
     speed = np.abs(np.asarray(points.velocity, dtype=np.float64))
     fast = suspect_degrees_per_second(float(np.max(speed, initial=0.0)))
-    notes, law = [finding.caution for finding in fast], settings.law or _USUAL_LAW
+    notes, law = [finding.caution for finding in fast], settings.law or USUAL_LAW
     if law == "auto":
         choice = choose_law(points.velocity, points.torque, points.normal_load)
         notes.append(f"Law: {choice.reason}.")
@@ -267,41 +260,12 @@ def _identify_recording(
     notes += (finding.caution for finding in findings if not (of_gaps and finding.code == "gap"))
     meta = recording.metadata
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
-    motion, said = _identify_with_law(sample_joint(recording, chosen), chosen, settings.law, options)
+    samples = sample_joint(recording, chosen)
+    motion, said = identify_with_law(samples, chosen, settings.law, options)
+    if meta.motion == "rotary":
+        motion = with_gravity_doubt(motion, samples, chosen, flag)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
-
-
-def _identify_with_law(
-    samples: JointSamples, settings: RegressionSettings, law: str, options: IdentificationOptions
-) -> tuple[MotionIdentification, list[str]]:
-    """The motion by the law that was asked for; by the usual one, or by a plainer one where that says as much.
-
-    That eight parameters are not determined is no fault of the recording where four with the same curve in both
-    directions, or two without a bend, leave no more of the torque.
-    """
-    found = identify_motion(samples, settings, law=law or _USUAL_LAW, options=options)
-    if law or find_doubt_in_status(found.friction.status, "") is None:
-        return found, []
-    for plainer in _PLAINER_LAWS:
-        try:
-            plain = identify_motion(samples, settings, law=plainer, options=options)
-        except IdentificationError:
-            continue
-        if _is_as_good(plain, found) and find_doubt_in_status(plain.friction.status, "") is None:
-            why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
-            return plain, [f"Law: {plainer}, which leaves no more of the torque than {_USUAL_LAW}, of which {why}."]
-    return found, []
-
-
-def _is_as_good(plain: MotionIdentification, usual: MotionIdentification) -> bool:
-    """Whether a law with fewer parameters says as much, by Schwarz's criterion on samples that do not go together."""
-    worse = plain.friction.noise.level / usual.friction.noise.level
-    if worse <= _AS_GOOD or worse > _NEARLY:
-        return worse <= _AS_GOOD
-    count = min(len(plain.points), len(usual.points)) / plain.alike
-    more = len(usual.friction.parameters) - len(plain.friction.parameters)
-    return count * math.log(worse) <= 0.5 * more * math.log(max(count, 2.0))
 
 
 def _bound_notes(result: IdentificationResult) -> list[str]:

@@ -204,7 +204,7 @@ def find_hand_motion(recording: Recording) -> tuple[Finding, ...]:
 
 
 def find_silent_torque(recording: Recording) -> tuple[Finding, ...]:
-    """A torque that is noise alone while the joint moves: it follows neither itself of a moment before nor the motion."""
+    """A torque that is noise alone while the joint moves: it follows neither itself of a moment ago nor the motion."""
     rows = max(1, round(_SILENT_BLOCK / recording.sample_period))
     means = np.asarray(recording.torque)[: len(recording) // rows * rows].reshape(-1, rows).mean(axis=1)
     torque = means - float(np.mean(means)) if means.size else means

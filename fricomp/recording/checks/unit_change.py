@@ -14,12 +14,10 @@ Samples = NDArray[np.float64]
 _FACTORS = {
     180.0 / np.pi: "as from radians to degrees",
     360.0: "as from turns to degrees",
-    2.0 * np.pi: "as from turns to radians",
-    60.0: "as from turns a second to revolutions a minute",
-    30.0 / np.pi: "as from rad/s to revolutions a minute",
     1000.0: "as from a unit to thousandths of it",
 }
-"""Factors between units that are taken for each other, and what they mean."""
+"""Factors between units that are taken for each other, and what they mean. Smaller ones, as from turns to radians, are
+no more than what a quick motion after a slow one may do."""
 _LARGE = 20.0
 """Step over the usual one beside it, from which on a row is looked at: knocks and reversals are smaller."""
 _NEAR = 4.0
@@ -31,6 +29,8 @@ _BESIDE = 20
 """Rows to either side that tell the usual step at a row."""
 _FEWEST = 100
 """Rows that each unit must have had."""
+_RANGE = 30.0
+"""Usual steps that each unit must have gone through: noise at rest before a motion goes through some five."""
 _MOST_ROWS = 20
 """Largest steps that are looked at."""
 
@@ -65,6 +65,8 @@ def _locate_change(recording: Recording, values: Samples) -> tuple[int, float, s
         if size[k] < _LARGE * min(before, after):
             continue
         long_before, long_after = _usual_step(size[:k]), _usual_step(size[k + 1 :])
+        if min(np.ptp(values[: k + 1]) / long_before, np.ptp(values[k + 1 :]) / long_after) < _RANGE:
+            continue
         for larger, meaning in _FACTORS.items():
             for factor in (larger, 1.0 / larger):
                 missed = abs(values[k + 1] - factor * values[k])

@@ -40,6 +40,9 @@ _TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 _MOSTLY = 0.05
 """Part of the rows whose time must come later for a column to be one; stamps of a coarse clock are held for many."""
 
+_FAR_MORE_EVEN = 0.5
+"""Unevenness over that of the clock with the plainest name, below which another clock is taken."""
+
 NANOSECONDS = " + 1e-9 "
 """Between the names of two columns that are one time: seconds and nanoseconds."""
 
@@ -73,7 +76,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     Raises:
         RecordingError: No column is, or it holds no times.
     """
-    names = sorted(find_stamps(columns), key=lambda name: not _rises(columns[name]))
+    names = _prefer_even(columns, sorted(find_stamps(columns), key=lambda name: not _rises(columns[name])))
     if not names:
         split = _find_split_stamp(columns)
         if split is not None:
@@ -111,6 +114,28 @@ def _explain_nameless(path: Path, columns: Mapping[str, Samples]) -> str:
         "--inspect --out log.toml' propose a mapping by what the numbers do, correct it, and give it by --mapping "
         "log.toml"
     )
+
+
+def _prefer_even(columns: Mapping[str, Samples], names: list[str]) -> list[str]:
+    """The names with that first whose clock is far more even than that of the first, if there is one.
+
+    A computer that receives the rows stamps them when it gets to it; the device's own clock is beside it.
+    """
+    rising = [name for name in names if _rises(columns[name])]
+    if len(rising) < 2:
+        return names
+    uneven = {name: _measure_unevenness(columns[name]) for name in rising}
+    best = min(rising, key=lambda name: uneven[name])
+    if uneven[best] > _FAR_MORE_EVEN * uneven[rising[0]]:
+        return names
+    return [best, *(name for name in names if name != best)]
+
+
+def _measure_unevenness(stamps: Samples) -> float:
+    """Usual change from one step of a clock to the next, over the usual step."""
+    step = np.diff(stamps[np.isfinite(stamps)])
+    usual = float(np.mean(step)) if step.size else 0.0
+    return float(np.mean(np.minimum(np.abs(np.diff(step)) / usual, 3.0))) if usual > 0.0 and step.size > 1 else np.inf
 
 
 def _rises(values: Samples) -> bool:
