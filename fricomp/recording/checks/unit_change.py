@@ -27,12 +27,14 @@ _ALIKE = 3.0
 after."""
 _BESIDE = 20
 """Rows to either side that tell the usual step at a row."""
+_LEAST_STEP = 0.1
+"""Part of the usual step of all rows that the usual one at a row has at least, where the joint rests."""
 _FEWEST = 100
 """Rows that each unit must have had."""
 _RANGE = 30.0
 """Usual steps that each unit must have gone through: noise at rest before a motion goes through some five."""
 _MOST_ROWS = 20
-"""Largest steps that are looked at."""
+"""Steps that are looked at, those first that are the largest beside the usual ones around them."""
 
 
 def find_unit_change(recording: Recording) -> tuple[Finding, ...]:
@@ -56,24 +58,34 @@ def _locate_change(recording: Recording, values: Samples) -> tuple[int, float, s
     """First row in the new unit, the factor, and what it means; None where there is none."""
     step = np.where(np.diff(recording.time) > find_gap_length(recording), 0.0, np.diff(values))
     size = np.abs(step)
-    if size.size < 2 * _FEWEST:
+    if size.size <= 2 * _FEWEST or not size.any():
         return None
-    for k in np.argsort(size)[::-1][:_MOST_ROWS].tolist():
-        if not _FEWEST <= k < size.size - _FEWEST or size[k] == 0.0:
-            continue
-        before, after = (_usual_step(one) for one in (size[k - _BESIDE : k], size[k + 1 : k + 1 + _BESIDE]))
-        if size[k] < _LARGE * min(before, after):
-            continue
+    before, after = _usual_steps(size)
+    larger = size / np.minimum(before, after)
+    for k in (_FEWEST + np.argsort(larger[_FEWEST:-_FEWEST])[::-1][:_MOST_ROWS]).tolist():
+        if larger[k] < _LARGE:
+            break
         long_before, long_after = _usual_step(size[:k]), _usual_step(size[k + 1 :])
         if min(np.ptp(values[: k + 1]) / long_before, np.ptp(values[k + 1 :]) / long_after) < _RANGE:
             continue
-        for larger, meaning in _FACTORS.items():
-            for factor in (larger, 1.0 / larger):
+        for greater, meaning in _FACTORS.items():
+            for factor in (greater, 1.0 / greater):
                 missed = abs(values[k + 1] - factor * values[k])
-                fits = missed <= _NEAR * max(after, factor * before) and missed < 0.2 * size[k]
+                fits = missed <= _NEAR * max(after[k], factor * before[k]) and missed < 0.5 * size[k]
                 if fits and 1.0 / _ALIKE < long_after / (factor * long_before) < _ALIKE:
                     return k + 1, factor, meaning if factor > 1.0 else f"{meaning} and back"
     return None
+
+
+def _usual_steps(size: Samples) -> tuple[Samples, Samples]:
+    """Mean of the steps before and after each step, which at rest would be that of nothing. Shapes (n,)."""
+    total = np.concatenate([[0.0], np.cumsum(size)])
+    row = np.arange(size.size)
+    first, last = np.maximum(row - _BESIDE, 0), np.minimum(row + 1 + _BESIDE, size.size)
+    before = (total[row] - total[first]) / np.maximum(row - first, 1)
+    after = (total[last] - total[row + 1]) / np.maximum(last - row - 1, 1)
+    least = _LEAST_STEP * float(np.median(size[size > 0.0]))
+    return np.maximum(before, least), np.maximum(after, least)
 
 
 def _usual_step(size: Samples) -> float:

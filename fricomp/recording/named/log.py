@@ -68,9 +68,10 @@ def _is_native_parquet(path: Path) -> bool:
 
     try:
         schema = parquet.read_schema(path)
-    except (OSError, ArrowException):
+        names = set(schema.names)
+    except (OSError, ArrowException, UnicodeDecodeError):
         return True  # whose reader says what is wrong with it
-    return set(schema.names) <= set(CHANNELS) and not any(types.is_list(field.type) for field in schema)
+    return names <= set(CHANNELS) and not any(types.is_list(field.type) for field in schema)
 
 
 def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row_rate: float | None = None) -> NamedLog:

@@ -36,14 +36,15 @@ def read_table(path: Path, source: Source) -> Columns:
         raise MissingExtraError("pyarrow", "parquet") from error
     try:
         table = parquet.read_table(path)
-    except pyarrow.ArrowException as error:
+        names = table.column_names
+    except (pyarrow.ArrowException, UnicodeDecodeError) as error:
         raise RecordingError(f"{path} is no Parquet file: {error}") from error
     named = _entry_names(path)
     columns: Columns = {}
-    for name in table.column_names:
+    for name in names:
         column, stamps = table.column(name), _read_stamps(table.column(name))
         if stamps is not None:
-            columns["time" if name.startswith(_INDEX) and "time" not in table.column_names else name] = stamps
+            columns["time" if name.startswith(_INDEX) and "time" not in names else name] = stamps
         else:
             columns.update(_columns_of(name, column.to_pylist(), named.get(name, [])))
     return columns

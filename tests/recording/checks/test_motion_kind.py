@@ -11,7 +11,7 @@ from fricomp.recording.checks.torque_causes import fit_two_torques
 
 from ..joint_log import joint_log
 
-_CODES = {"one_way", "one_way_turns", "held_output", "hand_motion", "stepped"}
+_CODES = {"one_way", "one_way_turns", "held_output", "hand_motion", "silent_torque", "stepped"}
 
 
 def _kinds(recording: Recording) -> dict[str, str]:
@@ -90,3 +90,19 @@ def test_a_joint_that_is_moved_by_hand_shows_no_friction() -> None:
     said = _kinds(Recording(t, q, 3.0 * np.sin(q) + rng.normal(0.0, 0.01, t.size)))
     assert set(said) == {"hand_motion"}
     assert "does not say that there is none" in said["hand_motion"]
+
+
+@pytest.mark.parametrize(("smoothed", "rate"), [(1, 50.0), (1, 500.0), (5, 500.0)])
+def test_a_torque_that_is_noise_alone_is_refused_as_one(smoothed: int, rate: float) -> None:
+    log = joint_log(20.0, rate, 6)
+    noise = np.random.default_rng(7).normal(0.0, 0.01, len(log) + smoothed - 1)
+    silent = log.with_channels(torque=np.convolve(noise, np.full(smoothed, 1.0 / smoothed), mode="valid"))
+    assert set(_kinds(silent)) == {"silent_torque"}
+    with pytest.raises(RecordingError, match="noise alone"):
+        read_motion_recording(silent)
+
+
+def test_a_noisy_torque_that_holds_friction_is_none() -> None:
+    log = joint_log(20.0, 500.0, 8)
+    noisy = log.torque + np.random.default_rng(9).normal(0.0, 3.0 * float(np.std(log.torque)), len(log))
+    assert _kinds(log.with_channels(torque=noisy)) == {}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from fricomp.recording.named.column import read_column_name, simplify_joint
+from fricomp.recording.named.clock import find_stamps
+from fricomp.recording.named.column import read_column_name, read_column_unit, simplify_joint
 
 
 @pytest.mark.parametrize(
@@ -51,3 +52,41 @@ def test_what_was_measured_goes_before_a_controllers_feedback() -> None:
 @pytest.mark.parametrize("name", ["joint_1", "J1", "1", "joint-01", "axis1"])
 def test_words_for_a_joint_tell_none_from_another(name: str) -> None:
     assert simplify_joint(name) == "1"
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "joint", "unit"),
+    [
+        ("i_mA", "current", "", "mA"),
+        ("I [A]", "current", "", ""),
+        ("F [N]", "torque", "", "N"),
+        ("x_mm", "position", "", "mm"),
+        ("u_cmd_Nm", "torque_command", "u", ""),
+        ("elbow_rad", "position", "elbow", ""),
+        ("elbow_rad_s", "velocity", "elbow", ""),
+        ("elbow_Nm", "torque", "elbow", ""),
+    ],
+)
+def test_a_unit_says_what_a_column_is_where_no_word_does(name: str, channel: str, joint: str, unit: str) -> None:
+    assert read_column_name(name) is None
+    meaning = read_column_unit(name)
+    assert meaning is not None
+    assert (meaning.channel, meaning.joint, meaning.unit) == (channel, joint, unit)
+
+
+@pytest.mark.parametrize("name", ["phase_A", "battery_V", "T [°C]", "U [V]", "AI0 [V]", "load_cell_N", "error_rad"])
+def test_a_unit_of_something_else_says_nothing(name: str) -> None:
+    assert read_column_unit(name) is None
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["t_epoch_ms", "unix_ns", "host_ms", "timestamp_utc", "DateTime_UTC", "Uhrzeit", "tstamp", "ticks_us"],
+)
+def test_clocks_are_called_by_many_names(name: str) -> None:
+    assert find_stamps([name, "tau"]) == [name]
+
+
+@pytest.mark.parametrize("name", ["torque", "tau_s", "host", "theta", "lifetime", "temperature"])
+def test_other_columns_are_no_clocks(name: str) -> None:
+    assert find_stamps([name]) == []

@@ -163,3 +163,54 @@ def test_convert_looks_at_a_log_and_writes_the_mapping_that_it_takes(tmp_path: P
     done = CliRunner().invoke(app, ["convert", str(path), "--mapping", str(mapping), "--out", str(out)])
     assert done.exit_code == 0, done.output
     assert read_recording(out).torque == pytest.approx(TORQUE, abs=1e-7)
+
+
+def test_of_two_clocks_the_evener_is_taken_whatever_its_name(tmp_path: Path) -> None:
+    late = np.sort(TIME + np.random.default_rng(3).exponential(0.002, N_ROWS))
+    columns = {"t": late + 1e-7 * np.arange(N_ROWS), "device_time_us": 1e6 * TIME, "q": POSITION, "tau": TORQUE}
+    (recording,) = read_named_log(write_text(tmp_path / "log.csv", columns)).recordings
+    assert recording.time == pytest.approx(TIME, abs=1e-9)
+
+
+def test_of_two_clocks_that_are_as_even_the_plainest_is_taken(tmp_path: Path) -> None:
+    columns = {"time": TIME, "log_time": 2.0 * TIME, "q": POSITION, "tau": TORQUE}
+    (recording,) = read_named_log(write_text(tmp_path / "log.csv", columns)).recordings
+    assert recording.duration == pytest.approx(TIME[-1])
+
+
+def test_current_and_angle_are_read_by_their_units(tmp_path: Path) -> None:
+    columns = {"t_epoch_ms": 1e3 * TIME, "x_deg": np.rad2deg(POSITION), "i_mA": 1e3 * TORQUE}
+    (recording,) = read_named_log(write_text(tmp_path / "log.csv", columns)).recordings
+    assert recording.metadata.torque_unit == "A"
+    assert recording.position == pytest.approx(POSITION)
+    assert recording.torque == pytest.approx(TORQUE)
+
+
+def test_columns_without_names_are_told_as_such_with_the_way_to_a_mapping(tmp_path: Path) -> None:
+    np.save(tmp_path / "log.npy", np.stack([TIME, POSITION, TORQUE], axis=1))
+    with pytest.raises(RecordingError, match=r"names do not say what they hold.*--inspect --out log.toml"):
+        read_content(tmp_path / "log.npy")
+    (tmp_path / "log.bin").write_bytes(np.stack([TIME, POSITION, TORQUE], axis=1).tobytes())
+    with pytest.raises(RecordingError, match="dtype and columns under"):
+        read_content(tmp_path / "log.bin")
+
+
+def test_the_channel_that_a_refusal_proposes_for_lists_finds_the_joints_beside_it(tmp_path: Path) -> None:
+    other = np.full(N_ROWS, 0.2)
+    path = tmp_path / "log.npz"
+    np.savez(
+        path,
+        timestamp=TIME,
+        **{"observation.state": np.stack([other, POSITION], axis=1)},  # type: ignore[arg-type]
+        **{"observation.effort": np.stack([0.1 * other, TORQUE], axis=1)},  # type: ignore[arg-type]
+    )
+    with pytest.raises(RecordingError, match=r"where the position of a joint is.*--channel position=observation.state"):
+        read_content(path)
+    content = read_content(path, channels={"position": "observation.state"})
+    assert content.recording.torque == pytest.approx(TORQUE)
+
+
+def test_stamps_of_a_coarse_clock_are_told_with_the_rate_of_the_rows(tmp_path: Path) -> None:
+    columns = {"TIME": np.floor(TIME / 0.02) * 0.02, "q": POSITION, "tau": TORQUE}
+    with pytest.raises(RecordingError, match=r"stamped as the one before.*--row-rate 200"):
+        read_content(write_text(tmp_path / "log.csv", columns))

@@ -9,6 +9,7 @@ import pytest
 
 from fricomp.recording import Mapping, NamedRecording, Recording, convert, write_recording
 from fricomp.recording.file import read_content
+from fricomp.recording.validity import drop_bad_rows
 
 TIME = np.arange(1000) / 100
 
@@ -70,3 +71,12 @@ def test_a_number_with_an_underscore_is_none(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("time,position,torque\n0,0.1,1\n0.1,0.2,1_0\n0.2,0.3,1\n")
     assert read_content(path, skip_bad_rows=True).recording.torque.tolist() == [1.0, 1.0]
+
+
+def test_the_column_that_rows_lack_a_number_in_is_named() -> None:
+    time = np.arange(1000) / 100.0
+    torque = np.where(np.arange(1000) % 3 == 0, np.nan, 1.0)
+    kept, (finding,) = drop_bad_rows({"time": time, "position": time, "torque": torque})
+    assert len(kept["time"]) == 666
+    assert "torque has no number in 334 of them" in finding.message
+    assert finding.severity == "error"

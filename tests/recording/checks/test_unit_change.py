@@ -1,0 +1,45 @@
+"""A unit that changes within a log is named with the line that mends it; a quick motion is no such change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.recording import Recording, check_recording
+
+from ..joint_log import joint_log
+
+
+def _changes(recording: Recording) -> list[str]:
+    return [str(one) for one in check_recording(recording) if one.code == "unit_change"]
+
+
+def _switch(log: Recording, part: float, factor: float, *names: str) -> Recording:
+    later = np.arange(len(log)) >= round(part * len(log))
+    return log.with_channels(**{name: np.where(later, factor, 1.0) * log.channels[name] for name in names})
+
+
+@pytest.mark.parametrize(("part", "rate"), [(0.3, 50.0), (0.5, 250.0), (0.7, 500.0)])
+@pytest.mark.parametrize("factor", [180.0 / np.pi, np.pi / 180.0, 1000.0])
+def test_a_position_that_changes_its_unit_is_refused_with_the_time(part: float, rate: float, factor: float) -> None:
+    log = joint_log(20.0, rate, 3)
+    at = float(log.time[round(part * len(log))])
+    (said,) = _changes(_switch(log, part, factor, "position", "velocity"))
+    assert "position is" in said
+    assert f"--to {at:.6g}" in said
+
+
+def test_a_velocity_alone_that_changes_its_unit_is_told_as_well() -> None:
+    (said,) = _changes(_switch(joint_log(20.0, 200.0, 4), 0.55, 180.0 / np.pi, "velocity"))
+    assert "velocity is 57.3 times" in said
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_rest_before_a_motion_and_a_quick_one_after_a_slow_one_are_none(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 20.0, 0.01)
+    q = np.where(t < 8.0, 0.0, np.sin(3.0 * (t - 8.0))) + rng.normal(0.0, 1e-4, t.size)
+    q_slow = np.where(t < 10.0, 0.02 * np.sin(t), 0.02 * np.sin(10.0) + np.sin(4.0 * (t - 10.0)))
+    for position in (q, q_slow):
+        speed = np.gradient(position, t)
+        assert _changes(Recording(t, position, 0.3 * np.sign(speed) + 0.1 * speed, velocity=speed)) == []
