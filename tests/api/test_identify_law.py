@@ -63,7 +63,7 @@ def _move_at(speeds: list[float], seed: int, noise: float = 0.005) -> Recording:
     window = np.hanning(51) / np.hanning(51).sum()
     steps = np.repeat(speeds, 200)
     time = 0.004 * np.arange(steps.size)
-    velocity = np.convolve(np.pad(steps, 25, mode="edge"), window, mode="valid")
+    velocity: FloatArray = np.convolve(np.pad(steps, 25, mode="edge"), window, mode="valid").astype(np.float64)
     friction = np.sign(velocity) * (0.3 + 0.3 * np.exp(-((velocity / 0.2) ** 2))) + 0.1 * velocity
     noisy = friction + np.random.default_rng(seed).normal(0.0, noise, time.size)
     return Recording(time, np.cumsum(velocity) * 0.004, noisy + 0.05 * np.gradient(velocity, time))
