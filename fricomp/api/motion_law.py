@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from fricomp.calibration import IdentificationOptions
+from fricomp.calibration.identification import Status
+from fricomp.calibration.identification.doubt import doubted
 from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
 from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.control.compensation.trust import find_doubt_in_status
@@ -14,10 +17,14 @@ __all__ = ["USUAL_LAW", "identify_with_law"]
 
 USUAL_LAW = "stribeck"
 """Law of a recording for which none is asked."""
-_PLAINER_LAWS = ("symmetric_stribeck", "coulomb_viscous")
-"""Laws with fewer parameters, the first of which that is as good takes the place of one that is not determined."""
+_PLAIN_LAW, _SYMMETRIC_LAW = "coulomb_viscous", "symmetric_stribeck"
+"""Laws with six and four parameters less, which take the place of the usual one where it is not determined."""
 _ONE_WAY_LAWS = ("coulomb_viscous", "coulomb")
 """Laws of a joint that moves in one direction alone, the first of which that is determined is given."""
+_ONE_WAY = (
+    "the joint moves in one direction alone, where friction, a constant torque and what gravity is off by are one: what "
+    "is given is their sum; record both directions"
+)
 _AS_GOOD, _NEARLY = 1.02, 1.1
 """What a plainer law may leave over what the usual one leaves, whose four or six parameters more fit noise as well; and
 up to which it may where the gain of these is less than what so many parameters must bring by chance."""
@@ -39,44 +46,54 @@ def identify_with_law(
         return _identify_one_way(samples, settings, options, error)
     if law or find_doubt_in_status(found.friction.status, "") is None:
         return found, []
-    for plainer in _PLAINER_LAWS:
-        try:
-            plain = identify_motion(samples, settings, law=plainer, options=options)
-        except IdentificationError:
-            continue
-        if _is_as_good(plain, found) and find_doubt_in_status(plain.friction.status, "") is None:
+    fits = {law: _fit_usable(samples, settings, law, options) for law in (_PLAIN_LAW, _SYMMETRIC_LAW)}
+    plain, symmetric = fits.values()
+    for plainer, gain_counts in ((plain, False), (symmetric, True), (plain, True)):
+        if plainer is not None and _is_as_good(plainer, found, gain_counts=gain_counts):
+            name = next(law for law, fit in fits.items() if fit is plainer)
             why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
-            return plain, [f"Law: {plainer}, which leaves no more of the torque than {USUAL_LAW}, of which {why}."]
+            return plainer, [f"Law: {name}, which leaves no more of the torque than {USUAL_LAW}, of which {why}."]
     return found, []
+
+
+def _fit_usable(
+    samples: JointSamples, settings: RegressionSettings, law: str, options: IdentificationOptions
+) -> MotionIdentification | None:
+    """The motion by a law; None where it is not determined either."""
+    try:
+        found = identify_motion(samples, settings, law=law, options=options)
+    except IdentificationError:
+        return None
+    return found if find_doubt_in_status(found.friction.status, "") is None else None
 
 
 def _identify_one_way(
     samples: JointSamples, settings: RegressionSettings, options: IdentificationOptions, error: IdentificationError
 ) -> tuple[MotionIdentification, list[str]]:
-    """The motion by a law that is the same in both directions, where the joint goes in one alone.
+    """The sum of friction and constant torque, where the joint goes one way; it is a measurement, and no model.
 
     Raises:
-        IdentificationError: What the usual law was refused with, where no plainer one fits either.
+        IdentificationError: No plainer law is determined either.
     """
-    said = "the joint moves in one direction alone, where friction and a constant torque are one: this is their sum"
-    found = []
     for plainer in _ONE_WAY_LAWS:
-        try:
-            plain = identify_motion(samples, settings, law=plainer, options=options)
-        except IdentificationError:
-            continue
-        found.append((plain, [f"Law: {plainer}; {said}."]))
-        if find_doubt_in_status(plain.friction.status, "") is None:
-            return found[-1]
-    if not found:
-        raise error
-    return found[0]
+        plain = _fit_usable(samples, settings, plainer, options)
+        if plain is not None:
+            friction = doubted(plain.friction, Status.NOT_IDENTIFIABLE, _ONE_WAY)
+            return replace(plain, friction=friction), [f"Law: {plainer}, which is the same in both directions."]
+    raise IdentificationError(f"{_ONE_WAY}; {error}") from error
 
 
-def _is_as_good(plain: MotionIdentification, usual: MotionIdentification) -> bool:
-    """Whether a law with fewer parameters says as much, by Schwarz's criterion on samples that do not go together."""
+def _is_as_good(plain: MotionIdentification, usual: MotionIdentification, *, gain_counts: bool) -> bool:
+    """Whether a law with fewer parameters says as much.
+
+    Args:
+        plain: By it.
+        usual: By the law with more.
+        gain_counts: Whether it may leave more where that is no gain by Schwarz's criterion, on samples that do not go
+            together.
+    """
     worse = plain.friction.noise.level / usual.friction.noise.level
-    if worse <= _AS_GOOD or worse > _NEARLY:
+    if worse <= _AS_GOOD or worse > _NEARLY or not gain_counts:
         return worse <= _AS_GOOD
     count = min(len(plain.points), len(usual.points)) / max(plain.alike, usual.alike)
     more = len(usual.friction.parameters) - len(plain.friction.parameters)
