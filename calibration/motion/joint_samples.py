@@ -87,8 +87,6 @@ same way, and a few parameters of thousands of samples are known better than one
 _KEPT = 0.8
 """Part of the samples that slide which that must leave, else the strokes are too short for it."""
 
-_ONE_WAY = 0.9
-"""Low-passed direction from which on the joint clearly moves in it; noise at rest has none."""
 _RING = 0.5
 """Periods of the low-pass's cutoff for which a direction must be one: where it rings it passes 1 for less."""
 
@@ -212,11 +210,6 @@ class JointSamples:
     def top_speed(self) -> float:
         """[rad/s] or [m/s]."""
         return float(np.max(np.abs(self.velocity), initial=0.0))
-
-    @property
-    def goes_both_ways(self) -> bool:
-        """Whether the joint moves in both directions at all."""
-        return bool(np.any(self.direction > _ONE_WAY) and np.any(self.direction < -_ONE_WAY))
 
     def between(self, begin: float, end: float) -> JointSamples:
         """The part from `begin` to `end`, as fractions of the whole."""

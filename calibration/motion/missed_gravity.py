@@ -32,7 +32,7 @@ def with_gravity_doubt(
         settings: As it was identified.
         flag: What stands before the name of an argument, such as `--` on the command line.
     """
-    if settings.gravity or not samples.goes_both_ways:
+    if settings.gravity:
         return motion
     rows = samples.sliding(settings.slowest, bends=False)
     try:

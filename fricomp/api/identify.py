@@ -261,8 +261,9 @@ def _identify_recording(
     meta = recording.metadata
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
     samples = sample_joint(recording, chosen)
-    motion, said = identify_with_law(samples, chosen, settings.law, options)
-    if meta.motion == "rotary":
+    one_way = any(finding.code in ("one_way", "one_way_turns") for finding in findings)
+    motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
+    if meta.motion == "rotary" and not one_way:
         motion = with_gravity_doubt(motion, samples, chosen, flag)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)

@@ -22,8 +22,8 @@ _PLAIN_LAW, _SYMMETRIC_LAW = "coulomb_viscous", "symmetric_stribeck"
 _ONE_WAY_LAWS = ("coulomb_viscous", "coulomb")
 """Laws of a joint that moves in one direction alone, the first of which that is determined is given."""
 _ONE_WAY = (
-    "the joint moves in one direction alone, where friction, a constant torque and what gravity is off by are one: what "
-    "is given is their sum; record both directions"
+    "the joint moves in one direction alone, where friction, a constant torque and what gravity is off by are one: this "
+    "is their sum; record both directions"
 )
 _AS_GOOD, _NEARLY = 1.02, 1.1
 """What a plainer law may leave over what the usual one leaves, whose four or six parameters more fit noise as well; and
@@ -31,19 +31,21 @@ up to which it may where the gain of these is less than what so many parameters 
 
 
 def identify_with_law(
-    samples: JointSamples, settings: RegressionSettings, law: str, options: IdentificationOptions
+    samples: JointSamples,
+    settings: RegressionSettings,
+    law: str,
+    options: IdentificationOptions,
+    *,
+    one_way: bool = False,
 ) -> tuple[MotionIdentification, list[str]]:
     """The motion by the law that was asked for; by the usual one, or by a plainer one where that says as much.
 
     That eight parameters are not determined is no fault of the recording where four with the same curve in both
-    directions, or two without a bend, leave no more of the torque.
+    directions, or two without a bend, leave no more of the torque. `one_way` says that it goes in one direction alone.
     """
-    try:
-        found = identify_motion(samples, settings, law=law or USUAL_LAW, options=options)
-    except IdentificationError as error:
-        if law or samples.goes_both_ways:
-            raise
-        return _identify_one_way(samples, settings, options, error)
+    if one_way and not law:
+        return _identify_one_way(samples, settings, options)
+    found = identify_motion(samples, settings, law=law or USUAL_LAW, options=options)
     if law or find_doubt_in_status(found.friction.status, "") is None:
         return found, []
     fits = {law: _fit_usable(samples, settings, law, options) for law in (_PLAIN_LAW, _SYMMETRIC_LAW)}
@@ -68,19 +70,21 @@ def _fit_usable(
 
 
 def _identify_one_way(
-    samples: JointSamples, settings: RegressionSettings, options: IdentificationOptions, error: IdentificationError
+    samples: JointSamples, settings: RegressionSettings, options: IdentificationOptions
 ) -> tuple[MotionIdentification, list[str]]:
     """The sum of friction and constant torque, where the joint goes one way; it is a measurement, and no model.
 
     Raises:
-        IdentificationError: No plainer law is determined either.
+        IdentificationError: No plain law is determined.
     """
     for plainer in _ONE_WAY_LAWS:
         plain = _fit_usable(samples, settings, plainer, options)
         if plain is not None:
             friction = doubted(plain.friction, Status.NOT_IDENTIFIABLE, _ONE_WAY)
             return replace(plain, friction=friction), [f"Law: {plainer}, which is the same in both directions."]
-    raise IdentificationError(f"{_ONE_WAY}; {error}") from error
+    raise IdentificationError(
+        f"{_ONE_WAY.split(': this', maxsplit=1)[0]}, and the speeds do not determine it; record both directions"
+    )
 
 
 def _is_as_good(plain: MotionIdentification, usual: MotionIdentification, *, gain_counts: bool) -> bool:
