@@ -21,10 +21,8 @@ _PLAIN_LAW, _SYMMETRIC_LAW = "coulomb_viscous", "symmetric_stribeck"
 """Laws with six and four parameters less, which take the place of the usual one where it is not determined."""
 _ONE_WAY_LAWS = ("coulomb_viscous", "coulomb")
 """Laws of a joint that moves in one direction alone, the first of which that is determined is given."""
-_ONE_WAY = (
-    "the joint moves in one direction alone, where friction, a constant torque and what gravity is off by are one: this "
-    "is their sum; record both directions"
-)
+_ONE_WAY = "the joint moves in one direction alone, where friction, a constant torque and an error of gravity are one"
+_BOTH = "record both directions"
 _AS_GOOD, _NEARLY = 1.02, 1.1
 """What a plainer law may leave over what the usual one leaves, whose four or six parameters more fit noise as well; and
 up to which it may where the gain of these is less than what so many parameters must bring by chance."""
@@ -80,11 +78,9 @@ def _identify_one_way(
     for plainer in _ONE_WAY_LAWS:
         plain = _fit_usable(samples, settings, plainer, options)
         if plain is not None:
-            friction = doubted(plain.friction, Status.NOT_IDENTIFIABLE, _ONE_WAY)
+            friction = doubted(plain.friction, Status.NOT_IDENTIFIABLE, f"{_ONE_WAY}: this is their sum; {_BOTH}")
             return replace(plain, friction=friction), [f"Law: {plainer}, which is the same in both directions."]
-    raise IdentificationError(
-        f"{_ONE_WAY.split(': this', maxsplit=1)[0]}, and the speeds do not determine it; record both directions"
-    )
+    raise IdentificationError(f"{_ONE_WAY}, and these speeds do not determine it; {_BOTH}")
 
 
 def _is_as_good(plain: MotionIdentification, usual: MotionIdentification, *, gain_counts: bool) -> bool:
