@@ -133,8 +133,14 @@ class Problem:
         return replace(self, tracks=tuple(tracks))
 
     def improve_velocity(self, plant: Plant) -> Problem:
-        """Improve the velocities by simulation: that of the model plus the slope of its slow position error."""
+        """Improve the velocities by simulation: that of the model plus the slope of its slow position error.
+
+        Raises:
+            FloatingPointError: The plant runs away in simulation.
+        """
         (runs,) = self.observe_all([plant], [[Contribution()] * len(self.tracks)])
+        if not all(np.isfinite(run.position).all() and np.isfinite(run.velocity).all() for run in runs):
+            raise FloatingPointError("a joint that the recording hardly determines runs away in simulation")
         tracks = tuple(
             improve_track(track, one, self.observer.compute_return(track, plant, one))
             for track, one in zip(self.tracks, runs, strict=True)

@@ -185,3 +185,12 @@ def test_a_moving_model_is_not_pulled_back() -> None:
     moving = np.abs(track.velocity) > Observer().rest_speed
     assert not returning[moving].any()
     assert np.all(returning[~moving] < 0.0)
+
+
+def test_a_joint_that_runs_away_in_simulation_is_said_to_and_improves_no_velocity() -> None:
+    joint = ToyJoint()
+    plant = true_plant(joint)
+    problem = build_problem([track_of(joint, "fourier", 3.0)], plant, Observer())
+    assert np.isfinite(problem.improve_velocity(plant).tracks[0].velocity).all()
+    with pytest.raises(FloatingPointError, match="runs away"):
+        problem.improve_velocity(replace(plant, inertia=1e-7 * plant.inertia))
