@@ -33,8 +33,8 @@ def find_impossible(
     check = "check the sign, the unit and the time of the torque, and whether something else moves the joint"
     if inertia is not None and inertia[0] < -_SURE * inertia[1]:
         return (
-            f"the inertia comes out negative ({inertia[0]:.3g} ± {inertia[1]:.2g}), which no joint has: {check}, or whether "
-            "it gives like a spring, by presliding or elasticity ('fricomp diagnose' tells)"
+            f"the inertia comes out negative ({inertia[0]:.3g} ± {inertia[1]:.2g}), which no joint has: {check}, or "
+            "whether it gives like a spring, by presliding or elasticity ('fricomp diagnose' tells)"
         )
     drag = {name: value for name, value in model.law.parameters().items() if name.endswith("viscous_coefficient")}
     for name, value in drag.items():
