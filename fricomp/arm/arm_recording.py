@@ -22,6 +22,9 @@ _GAP_SAMPLES, _GAP_TIME = 5.0, 0.05
 _SHORTEST = 2.0
 """[s] of a part: below, the filters see more of its ends than of the motion."""
 
+_GOES_BACK = 0.1
+"""Of the longer way of a joint, that the way back is at least: less is an overshoot at the end of a stroke."""
+
 
 @dataclass(frozen=True)
 class ArmPart:
@@ -73,6 +76,16 @@ class ArmRecording:
         return tuple(one.metadata for one in self.recordings)
 
     @property
+    def one_way(self) -> tuple[str, ...]:
+        """Joints that hardly go back: their friction is not told from a constant torque, nor from gravity."""
+        found = []
+        for j, name in enumerate(self.joints):
+            rises, falls = zip(*(_measure_ways(part.position[:, j]) for part in self.parts), strict=True)
+            if min(max(rises), max(falls)) < _GOES_BACK * max(*rises, *falls):
+                found.append(name)
+        return tuple(found)
+
+    @property
     def duration(self) -> float:
         """Time in all parts [s]."""
         return float(sum(part.time[-1] - part.time[0] for part in self.parts))
@@ -100,7 +113,10 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
     period = float(np.median([one.sample_period for one in series]))
     first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
     if last - first < _SHORTEST:
-        raise RecordingError(f"the recordings of {', '.join(names)} share {max(last - first, 0.0):.3g} s: too little")
+        raise RecordingError(
+            f"the recordings of {', '.join(names)} share {max(last - first, 0.0):.3g} s: too little for what links "
+            "weigh and for friction in both directions; record half a minute with all joints moving to and fro"
+        )
     edges = _find_edges(series, first, last, max(_GAP_SAMPLES * period, _GAP_TIME))
     parts = tuple(_sample(series, *edge, period) for edge in edges if edge[1] - edge[0] >= _SHORTEST)
     if not parts:
@@ -109,6 +125,13 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
     left_out = max(0.0, 1.0 - float(kept) / float(last - first))
     held = tuple(name for name, (_, hold) in zip(names, thinned, strict=True) if hold is not None)
     return ArmRecording(tuple(names), parts, left_out, tuple(series), held=held, placed=placed is not recordings)
+
+
+def _measure_ways(position: FloatArray) -> tuple[float, float]:
+    """The longest way up, and down [rad] or [m]: from the lowest place so far, and from the highest."""
+    up = position - np.minimum.accumulate(position)
+    down = np.maximum.accumulate(position) - position
+    return float(np.max(up)), float(np.max(down))
 
 
 def require_single(names: Sequence[str]) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from fricomp.diagnosis.effects import EFFECTS
+from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
 from .record import ArmRecord, JointEffect, LinkRecord
 from .shared_cause import say_shared_causes
 
-__all__ = ["write_summary"]
+__all__ = ["say_tilt", "write_summary"]
 
 
 def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
@@ -24,9 +27,19 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     names = dict.fromkeys(effect.name for _, effect in named)
     lines += [_say_effect([one for one in named if one[1].name == name]) for name in names]
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
+    lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
     unknown = [link.name for link in record.links if link.state == "not_determined"]
     lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
     return tuple(lines)
+
+
+def say_tilt(tilt: Mapping[str, Quantity]) -> str:
+    """How far gravity leans over along each level axis, in mrad."""
+    parts = (
+        f"{1e3 * one.value:+.3g} mrad ({1e3 * one.ci95[0]:.3g} to {1e3 * one.ci95[1]:.3g}) along {name}"
+        for name, one in tilt.items()
+    )
+    return f"gravity leans over by {' and '.join(parts)} of the simulation"
 
 
 def _say_what_to_do(*, named: bool, off: bool) -> str:

@@ -13,9 +13,10 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import write_summary
+from .brief import say_tilt, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
+from .fit import ArmFit
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
@@ -58,17 +59,24 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         links=links,
         delay=_quantity(delay, spread, "s"),
         gain=_quantity(gain, gain_spread, "1") if found.fit.model.gain else None,
+        tilt=_describe_tilt(found.fit) if found.fit.model.tilted else None,
         cutoff=found.rows.cutoff,
         duration=found.recording.duration,
         left_out=found.recording.left_out,
         held_joints=tuple(name for name in arm.held if name not in found.recording.still),
         still_joints=found.recording.still,
+        one_way=found.recording.one_way,
     )
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
     stamps = _UNEVEN if found.recording.placed else ""
     sentences = (*_write_sentences(record), *(one for one in (rate, stamps) if one))
     return replace(record, summary=write_summary(record, sentences[0]), sentences=sentences)
+
+
+def _describe_tilt(fit: ArmFit) -> dict[str, Quantity]:
+    pairs = zip(fit.arm.level_axes, *fit.lean, strict=True)
+    return {name: _quantity(value, deviation, "rad") for name, value, deviation in pairs}
 
 
 def _quantity(value: float, deviation: float, unit: str) -> Quantity:
@@ -287,6 +295,8 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
             f"All torques are {1e3 * abs(record.delay.value):.3g} ms {way} the positions "
             f"({1e3 * low:.3g} to {1e3 * high:.3g} ms); this was taken off."
         )
+    if record.tilt is not None:
+        lines.append(f"The base is not level: {say_tilt(record.tilt)}.")
     if record.gain is not None:
         lines.append(f"All torques are {record.gain.value:.3g} times those that the simulation asks for.")
     lines.append(
@@ -295,6 +305,10 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
     )
     if record.left_out > 0.005:
         lines.append(f"{record.left_out:.0%} of the time was left out: gaps, and stretches too short between them.")
+    if record.one_way:
+        lines.append(
+            f"Moved one way only, so that friction is not told from a constant torque: {', '.join(record.one_way)}."
+        )
     if record.still_joints:
         lines.append(
             f"Stood still, so that nothing is said of them: {', '.join(record.still_joints)}. Their links count with "

@@ -24,13 +24,17 @@ from .rigid.simulated_arm import SimulatedArm
 from .ripple import RippleSearch
 from .rows import ArmRows
 
-__all__ = ["ConfirmedData", "HeldOutErrors", "without_term", "without_terms"]
+__all__ = ["ConfirmedData", "HeldOutErrors", "fit_plainly", "without_term", "without_terms"]
 
 _PAIRS = 5
 _BLOCKS = 20
 """Blocks that a recording is cut into; a half are ten of them, so that each half meets all of the motion."""
 
 _FOLDS = 4
+
+_TOLD_APART = 1e-3
+"""Part of the largest below which what a few rows tell of plain friction counts as nothing: where a joint hardly goes
+back, its Coulomb and its constant torque are one, and their difference would be anything."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class ConfirmedData:
         """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
         plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms), pinned=frozenset())
         fold = self._block % _FOLDS
-        simulated = [_simulate_plainly(self._arm, self.equations, fold != k) for k in range(_FOLDS)]
+        simulated = [fit_plainly(self._arm, self.equations, fold != k)[1] for k in range(_FOLDS)]
         return HeldOutErrors(
             simulation=_measure_rows(self.equations, _join_folds(fold, simulated)),
             plain=self.measure_model(plain, fit),
@@ -133,13 +137,25 @@ def _measure_rows(equations: ArmEquations, left: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.sum(np.where(used, left, 0.0) ** 2, axis=0) / np.maximum(np.sum(used, axis=0), 1)))
 
 
-def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolArray) -> FloatArray:
-    """What inverse dynamics leave, with Coulomb, viscous and constant torques fitted. Shape (n, n_joints)."""
+def fit_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Coulomb, constant and viscous torques beside the simulation's inverse dynamics.
+
+    Args:
+        arm: The simulation.
+        equations: Of all joints.
+        trained: Rows that they are fitted to. Shape (n,).
+
+    Returns:
+        The three of each joint, shape (n_joints, 3), and what they leave of all rows, shape (n, n_joints).
+    """
     first = arm.inertia.size
-    left = []
+    found, left = [], []
     for j, columns in enumerate(equations.columns):
         torque = columns[:, -1] - columns[:, :first] @ arm.inertia.ravel() - arm.armature[j] * columns[:, first]
         friction = columns[:, first + 1 : first + 4]
         kept = trained & equations.moving[:, j]
-        left.append(torque - friction @ np.linalg.lstsq(friction[kept], torque[kept], rcond=None)[0])
-    return np.stack(left, axis=1)
+        size = np.maximum(np.sqrt(np.mean(friction**2, axis=0)), 1e-300)
+        values = np.linalg.lstsq(friction[kept] / size, torque[kept], rcond=_TOLD_APART)[0] / size
+        found.append(values)
+        left.append(torque - friction @ values)
+    return np.array(found), np.stack(left, axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations, EquationSums
+from .equations import N_LAST, ArmEquations, EquationSums
 from .friction import PLAIN, column_names
 from .model import ArmModel
 from .prior import ArmPrior
@@ -67,9 +67,9 @@ class PriorSizes:
 class Coordinates:
     """How the parameters x of a model stand in the columns of each joint.
 
-    x holds links, rotors, friction of joint 1, 2, ..., delay, gain; the squares are those of the weights
+    x holds links, rotors, friction of joint 1, 2, ..., lean of gravity, delay, gain; squares are those of the weights
 
-        z_j = [(1 + g) (θ(p), r_j, f_j), -δ, -1]
+        z_j = [(1 + g) (θ(p), r_j, f_j, t), -δ, -1]
 
     times the columns of joint j. Columns that a model does not have are never multiplied.
 
@@ -86,7 +86,7 @@ class Coordinates:
         self.columns = [np.array([first + _NUMBERS[name] for name in form.columns]) for form in model.forms]
         sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(c) for c in self.columns)])
         self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
-        self.size, self.width = int(sizes[-1]) + 2, first + len(_NUMBERS) + 2
+        self.size, self.width = int(sizes[-1]) + N_LAST, first + len(_NUMBERS) + N_LAST
 
     def expand(self, x: FloatArray) -> FloatArray:
         """Weights of the columns whose sum is what is left, with its sign turned. Shape (n_joints, n_columns)."""
@@ -96,6 +96,7 @@ class Coordinates:
         z[:, self.n_inertial] = x[self.n_inertial : self.n_inertial + len(self.arm.joints)]
         for j, (columns, place) in enumerate(zip(self.columns, self.places, strict=True)):
             z[j, columns] = x[place]
+        z[:, -N_LAST:-2] = x[-N_LAST:-2]
         z[:, :-2] *= 1.0 + x[-1]
         z[:, -2], z[:, -1] = -x[-2], -1.0
         return z
@@ -114,8 +115,8 @@ class Coordinates:
         H, g, links = np.zeros((self.size, self.size)), np.zeros(self.size), slice(self.n_inertial)
         for j, (columns, place) in enumerate(zip(self.columns, self.places, strict=True)):
             sums = equations.sums[j]
-            at = np.array([self.n_inertial + j, *range(place.start, place.stop), self.size - 2])
-            seen = np.array([self.n_inertial, *columns, self.width - 2])
+            at = np.array([self.n_inertial + j, *range(place.start, place.stop), *self._find_shared(self.size)])
+            seen = np.array([self.n_inertial, *columns, *self._find_shared(self.width)])
             slope = np.full(seen.size, gain)
             slope[-1] = -1.0  # of the delay, which no gain changes
             along = np.append(z[j, :-2] / gain, [0.0, 0.0])  # what grows with the gain
@@ -134,6 +135,11 @@ class Coordinates:
         self._turn_links(H, g, x)
         return Linearised(H, g, cost)
 
+    @staticmethod
+    def _find_shared(size: int) -> range:
+        """Places of lean and delay, which are those of all joints, among so many parameters or columns."""
+        return range(size - N_LAST, size - 1)
+
     def _turn_links(self, H: FloatArray, g: FloatArray, x: FloatArray) -> None:
         """From the inertia of links to their coordinates, in place; of H what is above the blocks of links is given."""
         p = x[: self.n_inertial].reshape(-1, N_INERTIA)
@@ -149,7 +155,7 @@ class Coordinates:
         """Parameters x of another model, in the places that they have here; of what it lacks, those of `mean`."""
         result, other = mean.copy(), Coordinates(self.arm, model)
         rigid = self.n_inertial + len(self.arm.joints)
-        result[:rigid], result[-2:] = x[:rigid], x[-2:]
+        result[:rigid], result[-N_LAST:] = x[:rigid], x[-N_LAST:]
         for form, place, before, there in zip(self.model.forms, self.places, model.forms, other.places, strict=True):
             known = dict(zip(before.columns, x[there].tolist(), strict=True))
             result[place] = [known.get(name, 0.0) for name in form.columns]
@@ -175,6 +181,7 @@ class Coordinates:
             if self.model.pinned:
                 held = [(j, name) in self.model.pinned for name in self.model.forms[j].columns]
                 deviation[place] *= np.where(held, _HELD_PART, 1.0)
+        deviation[-N_LAST:-2] = prior.tilt if self.model.tilted else _HELD
         deviation[-2], deviation[-1] = prior.delay, prior.gain if self.model.gain else _HELD
         return mean, deviation
 

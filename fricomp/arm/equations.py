@@ -1,6 +1,6 @@
 """The equations of an arm as sums over rows: all that any model of it needs to be fitted, however long the recording.
 
-    G_j = Σ_rows w Zᵀ Z,  Z = [links | rotor | friction | rate of torque | torque]  of joint j
+    G_j = Σ_rows w Zᵀ Z,  Z = [links | rotor | friction | lean of gravity | rate of torque | torque]  of joint j
 
 A fit is then a matter of small matrices, so that a hundred models cost what one pass over the rows does.
 """
@@ -34,7 +34,10 @@ from .rows import ArmRows
 
 BoolArray = NDArray[np.bool_]
 
-__all__ = ["ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equations"]
+__all__ = ["N_LAST", "ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equations"]
+
+N_LAST = 4
+"""Columns behind those of friction: of gravity that leans over along two level axes, the torque's rate, the torque."""
 
 _SLOW = 0.02
 """Speeds below this part of a joint's top speed leave its sign to noise; such rows of that joint are not compared."""
@@ -129,6 +132,12 @@ class ArmEquations:
         signs = self.columns[:, :, self._friction + column_names().index("coulomb")]
         return self._fill("load", [load_columns(*pair) for pair in zip(load.T, signs, strict=True)])
 
+    def with_lean(self, rows: ArmRows, inertia: FloatArray) -> ArmEquations:
+        """The same with what leans with gravity weighing this: ten numbers of each link. Shape (n_links, 10)."""
+        columns = self.columns.copy()
+        columns[:, :, -N_LAST:-2] = np.swapaxes(rows.weigh_lean(inertia), 0, 1)
+        return replace(self, columns=columns)
+
     def with_torque(self, rows: ArmRows) -> ArmEquations:
         """The same motion with the torques of these rows."""
         changed = self._fill("delay", [-rate[:, None] for rate in rows.torque_rate.T])
@@ -185,7 +194,7 @@ class ArmEquations:
     @property
     def _friction(self) -> int:
         """Number of the first column of friction."""
-        return int(self.columns.shape[2]) - 2 - len(column_names())
+        return int(self.columns.shape[2]) - N_LAST - len(column_names())
 
 
 @dataclass(frozen=True)
@@ -227,7 +236,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     speed = np.abs(rows.compare(lambda _, v, __: v))
     top = np.maximum(np.quantile(speed, 0.99, axis=0), 1e-9)
     n = len(arm.joints)
-    size = rows.links.shape[2] + 1 + len(column_names()) + 2
+    size = rows.links.shape[2] + 1 + len(column_names()) + N_LAST
     columns = np.zeros((n, len(rows), size))
     place = find_columns("motion")
     first = rows.links.shape[2] + 1
@@ -239,7 +248,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     parts = np.array([part or 0.0 for part in TERMS["stribeck"].values])
     bare = ArmEquations(columns, Weights(moving, noise, np.ones(n)), top, np.zeros(n), np.zeros((n, parts.size)))
-    bare = bare.with_load(load).with_torque(rows)
+    bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
     return bare if plain else bare.with_stribeck(rows, top[:, None] * parts)
 
 

@@ -80,6 +80,11 @@ def examine_arm(
     if len(recordings) < 2:
         raise RecordingError("an arm has two joints or more: diagnose a single joint by its own recording")
     arm, recording = match_recordings(recordings, simulation, names, gains)
+    if set(recording.one_way) == set(recording.joints):
+        raise RecordingError(
+            f"{', '.join(recording.joints)} moved one way only: friction is then not told from gravity or a constant "
+            "torque; record a motion that goes to and fro"
+        )
     found = identify_arm(arm, recording, prior, progress)
     (progress or (lambda _: None))("confirming on held-out data")
     answer = confirm_terms(found, seed)

@@ -1,8 +1,8 @@
 """Links, rotors and friction of a whole arm: the most probable values, and how well they are known.
 
-    minimise  Σ_j |τ_j + δ τ'_j - (1 + g)(Y_j θ(p) + a_j r_j + F_j f_j)|² / (c_j σ_j²) + Σ (x - x_0)² / s²
+    minimise  Σ_j |τ_j + δ τ'_j - (1 + g)(Y_j θ(p) + a_j r_j + F_j f_j + L_j t)|² / (c_j σ_j²) + Σ (x - x_0)² / s²
 
-over x = (p, r, f, δ, g) with all rigid parameters shared by all joints. Fitted joint by joint, they would take
+over x = (p, r, f, t, δ, g) with all rigid parameters shared by all joints. Fitted joint by joint, they would take
 friction's place and extrapolate to torques above those recorded.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from .coordinates import Coordinates, Linearised, measure_sizes
-from .equations import ArmEquations, EquationSums
+from .equations import N_LAST, ArmEquations, EquationSums
 from .model import ArmModel
 from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
@@ -39,7 +39,7 @@ class ArmFit:
     Attributes:
         arm: The simulation.
         model: What was fitted.
-        x: All parameters: links, rotors, friction of joint 1, 2, ..., delay, gain. Shape (n,).
+        x: All parameters: links, rotors, friction of joint 1, 2, ..., lean of gravity, delay, gain. Shape (n,).
         covariance: Of x. Shape (n, n).
         prior_deviation: Of x before the recording. Shape (n,).
         log_evidence: Of the model, up to a constant of the equations.
@@ -67,6 +67,12 @@ class ArmFit:
         return self.x[first : first + len(self.arm.joints)]
 
     @property
+    def lean(self) -> tuple[FloatArray, FloatArray]:
+        """How far gravity leans over along each level axis, and the standard deviations [rad]. Shapes (2,)."""
+        at = slice(-N_LAST, -2)
+        return self.x[at], np.sqrt(np.diag(self.covariance)[at])
+
+    @property
     def delay(self) -> tuple[float, float]:
         """By how much all torques are later than the rows allow for, and its standard deviation [s]."""
         return float(self.x[-2]), float(np.sqrt(self.covariance[-2, -2]))
@@ -92,8 +98,9 @@ class ArmFit:
         z = Coordinates(self.arm, self.model).expand(self.x)[:, :-2]
         first = N_INERTIA * len(self.arm.links) + 1
         rigid = np.einsum("jnk,jk->nj", equations.columns[:, :, :first], z[:, :first])
-        friction = np.einsum("jnk,jk->nj", equations.columns[:, :, first:-2], z[:, first:])
-        return rigid, friction
+        friction = np.einsum("jnk,jk->nj", equations.columns[:, :, first:-N_LAST], z[:, first : 2 - N_LAST])
+        leaning = equations.columns[:, :, -N_LAST:-2] @ z[0, 2 - N_LAST :]  # the same in all joints
+        return rigid + leaning.T, friction
 
     def residuals(self, equations: ArmEquations) -> FloatArray:
         """What is left of the torques at the rows, their delay allowed for [N·m]. Shape (n, n_joints)."""
@@ -102,7 +109,7 @@ class ArmFit:
 
     def compute_load(self, rows: ArmRows) -> FloatArray:
         """Torque that the gears transmit at any rows [N·m]: rotors lie before them. Shape (n, n_joints)."""
-        return np.asarray(rows.links @ self.inertia.ravel())
+        return np.asarray(rows.links @ self.inertia.ravel() + rows.weigh_lean(self.inertia) @ self.lean[0])
 
 
 def fit_arm(

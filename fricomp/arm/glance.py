@@ -12,7 +12,7 @@ from scipy.linalg import lu_factor, lu_solve
 from fricomp.laws import FloatArray
 
 from .coordinates import Coordinates, measure_sizes
-from .equations import ArmEquations
+from .equations import N_LAST, ArmEquations
 from .fit import ArmFit
 from .friction import TERMS, JointForm
 from .model import ArmModel
@@ -99,4 +99,4 @@ class Glance:
         at = list(range(self._rigid))
         for form, start in zip(model.forms, self._starts, strict=True):
             at += [start + self._numbers[name] for name in form.columns]
-        return np.array([*at, self._x.size - 2, self._x.size - 1])
+        return np.array([*at, *range(self._x.size - N_LAST, self._x.size)])

@@ -148,7 +148,7 @@ def fit_robustly(
     """
     fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
-        fresh = equations.with_load(fit.compute_load(rows))
+        fresh = equations.with_load(fit.compute_load(rows)).with_lean(rows, fit.inertia)
         equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
         fit = fit_arm(arm, equations, model, prior, fit)
     fit, equations = refine_stribeck(rows, equations, fit, prior)
@@ -307,6 +307,8 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
     for i, link in enumerate(arm.links):
         if i not in model.opened:
             yield f"{link} is off", replace(model, opened=model.opened | {i})
+    if not model.tilted:
+        yield "gravity leans over", replace(model, tilted=True)
     if not model.gain:
         yield "all torques have a gain", replace(model, gain=True)
 

@@ -16,6 +16,7 @@ class ArmModel:
     Attributes:
         forms: Friction of each joint.
         opened: Links that may be far off.
+        tilted: Whether gravity may lean over, as it does where the base of the arm is not level.
         gain: Whether all torques may have a common gain.
         rotorless: Joints without a rotor's inertia: their torques, such as those of a sensor behind the gear, asked for
             less than none.
@@ -25,6 +26,7 @@ class ArmModel:
 
     forms: tuple[JointForm, ...]
     opened: frozenset[int] = frozenset()
+    tilted: bool = False
     gain: bool = False
     rotorless: frozenset[int] = frozenset()
     pinned: frozenset[tuple[int, str]] = frozenset()

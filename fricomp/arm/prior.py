@@ -21,6 +21,8 @@ class ArmPrior:
             rubs. Where gravity varies with the joint, a wider one lets a spring be anything that links may weigh.
         load_friction: Of friction per transmitted torque [N·m/N·m]; gears have 0.04 to 0.29 [bittencourt2010].
         delay: Of the time by which all torques are late behind the positions [s].
+        tilt: Of how far gravity leans over along each level axis [rad], where the recording asks for it: by eye, bases
+            are level to a degree.
         gain: Of the factor on all torques, relative to 1, where the recording is found to ask for one. A gain and the
             masses of all links are nearly the same.
         opened: As `links`, of a link that the recording shows to be off: a payload is several links.
@@ -33,5 +35,6 @@ class ArmPrior:
     spring: float = 1.0
     load_friction: float = 0.3
     delay: float = 0.01
+    tilt: float = 0.02
     gain: float = 0.1
     opened: float = 1.0

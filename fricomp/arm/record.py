@@ -150,6 +150,8 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         joints: Each joint.
         links: Each link.
         delay: By which all torques are later than the positions.
+        tilt: How far gravity leans over along the level axes of the simulation, by their names, as it does where the
+            base is not level; None where nothing asks for it. arm.xml has it in its gravity.
         gain: Factor that all torques were measured with; None where nothing asks for one.
         cutoff: Highest frequency that was compared [Hz].
         duration: Time that was used [s].
@@ -157,6 +159,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         summary: The answer in a few sentences: what is wrong, in which joints and links, and what to do.
         held_joints: Joints of the simulation that nothing was recorded of.
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
+        one_way: Joints that hardly went back, whose friction is not told from a constant torque.
     """
 
     schema: str
@@ -171,6 +174,8 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     summary: tuple[str, ...] = ()
     held_joints: tuple[str, ...] = ()
     still_joints: tuple[str, ...] = ()
+    tilt: dict[str, Quantity] | None = None
+    one_way: tuple[str, ...] = ()
 
 
 def arm_json_schema() -> dict[str, Any]:

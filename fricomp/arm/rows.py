@@ -17,7 +17,8 @@ from scipy.signal import butter, sosfiltfilt
 from fricomp.laws import FloatArray
 
 from .arm_recording import ArmPart, ArmRecording
-from .rigid.regressor import compute_regressor
+from .rigid.inertia import N_INERTIA
+from .rigid.regressor import N_GRAVITY, compute_regressors
 from .rigid.simulated_arm import SimulatedArm
 
 __all__ = ["ArmRows", "build_rows"]
@@ -61,6 +62,7 @@ class ArmRows:
         torque: Of the rows [N·m] or [N]. Shape (n, n_joints).
         torque_rate: Its derivative [N·m/s] or [N/s]. Shape (n, n_joints).
         links: Columns of the links. Shape (n, n_joints, 10 n_links).
+        lean: Their change as gravity leans over, of mass and first moments. Shape (n, n_joints, 2, 4 n_links).
         cutoff: Of the comparison [Hz].
         least_speed: Below which the steps of its encoder leave a joint's direction open [rad/s] or [m/s]. Shape
             (n_joints,).
@@ -73,6 +75,7 @@ class ArmRows:
     torque: FloatArray
     torque_rate: FloatArray
     links: FloatArray
+    lean: FloatArray
     cutoff: float
     least_speed: FloatArray
     _ways: tuple[_Way, ...]
@@ -95,6 +98,17 @@ class ArmRows:
     def compare_samples(self, columns: Sequence[FloatArray]) -> FloatArray:
         """Samples of each part, through all filters that the torques pass. Shapes (n_samples, ...), and (n, ...)."""
         return np.concatenate([way.take(one) for way, one in zip(self._ways, columns, strict=True)])
+
+    def weigh_lean(self, inertia: FloatArray) -> FloatArray:
+        """Torque by which the links change those of the joints as gravity leans over by a radian [N·m/rad].
+
+        Args:
+            inertia: Ten numbers of each link. Shape (n_links, 10).
+
+        Returns:
+            For each of the arm's level axes. Shape (n, n_joints, 2).
+        """
+        return np.asarray(self.lean @ inertia.reshape(-1, N_INERTIA)[:, :N_GRAVITY].ravel())
 
     def with_delay(self, recording: ArmRecording, delay: float) -> ArmRows:
         """The same motion with torques that are taken to be late by `delay` [s]."""
@@ -148,8 +162,8 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
     motions = tuple(_differentiate(way.smooth(part.position), part.period) for way, part in _pair(ways, recording))
     torque, rate = _compare_torques(ways, recording, delay)
     times = [part.time[:: way.step][way.kept] for way, part in _pair(ways, recording)]
-    links = [
-        way.compare(compute_regressor(arm, *(column[:: way.step] for column in motion)))
+    columns = [
+        tuple(map(way.compare, compute_regressors(arm, *(column[:: way.step] for column in motion))))
         for way, motion in zip(ways, motions, strict=True)
     ]
     return ArmRows(
@@ -159,7 +173,8 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
         warmth=tuple(part.warmth for part in recording.parts),
         torque=torque,
         torque_rate=rate,
-        links=np.concatenate(links),
+        links=np.concatenate([links for links, _ in columns]),
+        lean=np.concatenate([lean for _, lean in columns]),
         cutoff=cutoff,
         least_speed=_COUNTS * ways[0].smoothing * np.array([_find_step(one.position) for one in recording.recordings]),
         _ways=ways,

@@ -13,6 +13,7 @@ from fricomp.laws import FloatArray
 from fricomp.simulation_file import read_specification
 
 from ..answer import ArmAnswer
+from ..fit import ArmFit
 from ..friction_model import build_friction_model
 from ..rigid.inertia import can_exist, split_inertia
 
@@ -39,6 +40,7 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
         _weigh_link(bodies[name], inertia, carried, fit.arm.moving_joints)
     for name, rotor in zip(fit.arm.joints, fit.armature, strict=True):
         spec.joint(name).armature = max(float(rotor), 0.0)
+    spec.option.gravity = _lean_gravity(fit)
     spec.compile()
     text, lost = spec.to_xml(), []
     for j, name in enumerate(fit.arm.joints):
@@ -50,6 +52,15 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
         text = apply_to_mjcf(export, text, name)
         lost.append(f"{name}: {export.fidelity}")
     return text, lost
+
+
+def _lean_gravity(fit: ArmFit) -> FloatArray:
+    """Gravity as it acts on the arm in the axes of the simulation [m/s²]: as large as in the file."""
+    gravity = fit.arm.gravity
+    size = float(np.linalg.norm(gravity))
+    for far, axis in zip(fit.lean[0].tolist() if fit.model.tilted else (), fit.arm.level_axes.values(), strict=False):
+        gravity = gravity + far * size * axis
+    return np.asarray(gravity * size / max(float(np.linalg.norm(gravity)), 1e-12))
 
 
 def _weigh_link(body: Any, inertia: FloatArray, carried: FloatArray, joints: frozenset[str]) -> None:

@@ -15,7 +15,8 @@ from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, Stribec
 from fricomp.model import FrictionModel
 
 from ..answer import ArmAnswer
-from ..equations import ArmEquations, BoolArray
+from ..confirmation import fit_plainly
+from ..equations import BoolArray
 from ..fit import ArmFit
 from ..friction_model import build_friction_model
 from ..record import FileErrors, PositionErrors
@@ -55,7 +56,9 @@ class FileTrial:
 
     def evaluate_plain(self) -> ArmEvaluation:
         """Errors of the simulation with Coulomb, viscous and constant torques."""
-        plain = _fit_plain(self.answer, self.answer.identification.equations, self.trained)
+        arm = self.answer.identification.fit.arm
+        found, _ = fit_plainly(arm, self.answer.identification.equations, self.trained)
+        plain = {name: _build_plain(self.answer, j, found[j].tolist()) for j, name in enumerate(arm.joints)}
         return self._evaluate(self.simulation, plain)
 
     def evaluate_fit(self, fit: ArmFit) -> ArmEvaluation:
@@ -109,19 +112,6 @@ def hold_out(time: FloatArray) -> tuple[BoolArray, Spans, Spans]:
     spans = [every[k] for k in chosen]
     held = np.any([(time >= a) & (time < b) for a, b in spans], axis=0)
     return held, spans, [one for one in every if one not in spans]
-
-
-def _fit_plain(answer: ArmAnswer, equations: ArmEquations, trained: BoolArray) -> dict[str, FrictionModel]:
-    """Coulomb, viscous and constant torques beside the simulation's inverse dynamics."""
-    arm = answer.identification.fit.arm
-    first, models = arm.inertia.size, {}
-    for j, (name, columns) in enumerate(zip(arm.joints, equations.columns, strict=True)):
-        torque = columns[:, -1] - columns[:, :first] @ arm.inertia.ravel() - arm.armature[j] * columns[:, first]
-        kept = trained & equations.moving[:, j]
-        friction = columns[kept, first + 1 : first + 4]
-        level, offset, viscous = np.linalg.lstsq(friction, torque[kept], rcond=None)[0].tolist()
-        models[name] = _build_plain(answer, j, (level, offset, viscous))
-    return models
 
 
 def _build_plain(answer: ArmAnswer, joint: int, values: Sequence[float]) -> FrictionModel:

@@ -7,6 +7,8 @@ in the frame of each link, a being the acceleration of its origin less that of g
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fricomp.laws import FloatArray
@@ -14,7 +16,23 @@ from fricomp.laws import FloatArray
 from .inertia import N_INERTIA
 from .simulated_arm import LinkMotion, SimulatedArm
 
-__all__ = ["compute_regressor"]
+__all__ = ["N_GRAVITY", "Regressors", "compute_regressor", "compute_regressors"]
+
+N_GRAVITY = 4
+"""Inertial numbers of a link that gravity acts on: its mass and first moments, which come first."""
+
+
+class Regressors(NamedTuple):
+    """Torque of every joint for one unit of what a link weighs.
+
+    Attributes:
+        links: Of each inertial number of each link. Shape (n, n_joints, 10 n_links).
+        lean: Its change as gravity leans over by a radian, for each of `SimulatedArm.level_axes`, of the numbers that
+            gravity acts on. Shape (n, n_joints, 2, 4 n_links).
+    """
+
+    links: FloatArray
+    lean: FloatArray
 
 
 def compute_regressor(
@@ -31,8 +49,25 @@ def compute_regressor(
     Returns:
         Shape (n, n_joints, 10 n_links); times `arm.inertia.ravel()` it is the torque [N·m] or [N], rotors left out.
     """
+    return compute_regressors(arm, position, velocity, acceleration).links
+
+
+def compute_regressors(
+    arm: SimulatedArm, position: FloatArray, velocity: FloatArray, acceleration: FloatArray
+) -> Regressors:
+    """The same, and how it changes with the direction of gravity.
+
+    Args:
+        arm: Kinematics.
+        position: [rad] or [m]. Shape (n, n_joints), like the others.
+        velocity: [rad/s] or [m/s].
+        acceleration: [rad/s²] or [m/s²].
+    """
     links = arm.follow(position, velocity, acceleration)
-    return np.concatenate([_weigh_torque(link) for link in links], axis=2)
+    return Regressors(
+        np.concatenate([_weigh_torque(link) for link in links], axis=2),
+        np.concatenate([np.stack([_weigh_lean(link, k) for k in range(2)], axis=2) for link in links], axis=3),
+    )
 
 
 def _weigh_torque(link: LinkMotion) -> FloatArray:
@@ -45,6 +80,16 @@ def _weigh_torque(link: LinkMotion) -> FloatArray:
     force[:, :, 1:4] = _cross(alpha) + turning @ turning
     moment[:, :, 1:4] = -_cross(a)
     moment[:, :, 4:] = _multiply_inertia(alpha) + turning @ _multiply_inertia(w)
+    back = np.swapaxes(link.translation, 1, 2) @ force + np.swapaxes(link.rotation, 1, 2) @ moment
+    return np.asarray(back)
+
+
+def _weigh_lean(link: LinkMotion, axis: int) -> FloatArray:
+    """Shape (n, n_joints, 4)."""
+    a = link.lean[:, :, axis]
+    force, moment = np.zeros((len(a), 3, N_GRAVITY)), np.zeros((len(a), 3, N_GRAVITY))
+    force[:, :, 0] = a
+    moment[:, :, 1:] = -_cross(a)
     back = np.swapaxes(link.translation, 1, 2) @ force + np.swapaxes(link.rotation, 1, 2) @ moment
     return np.asarray(back)
 

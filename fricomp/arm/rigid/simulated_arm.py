@@ -31,6 +31,8 @@ class LinkMotion(NamedTuple):
         acceleration: Of the origin, with that of gravity taken off [m/s²]. Shape (n, 3).
         translation: Motion of the origin for each joint [m/rad]. Shape (n, 3, n_joints).
         rotation: Turn of the link for each joint [rad/rad]. Shape (n, 3, n_joints).
+        lean: Change of `acceleration` as gravity leans over by a radian, for each of `SimulatedArm.level_axes`
+            [m/s²/rad]. Shape (n, 3, 2).
     """
 
     angular_velocity: FloatArray
@@ -38,6 +40,7 @@ class LinkMotion(NamedTuple):
     acceleration: FloatArray
     translation: FloatArray
     rotation: FloatArray
+    lean: FloatArray
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,7 @@ class SimulatedArm:
             j: JointMotion(*columns) for j, *columns in zip(following, *(each.T for each in far[:3]), strict=True)
         }
         moved = move_bodies(self._model, self._pose, motions, self._bodies, len(position))
+        down, level = float(np.linalg.norm(self.gravity)), np.array([self.level_axes[name] for name in self.level_axes])
         links = []
         for body in (moved[number] for number in self._bodies):
             columns = np.stack([np.concatenate(body.build_jacobian(j), axis=1) for j in recorded], axis=2)
@@ -118,6 +122,7 @@ class SimulatedArm:
                     acceleration=body.in_own_axes(body.acceleration),
                     translation=columns[:, :3],
                     rotation=columns[:, 3:],
+                    lean=-down * np.stack([body.in_own_axes(np.tile(e, (len(position), 1))) for e in level], axis=2),
                 )
             )
         return links
@@ -126,6 +131,21 @@ class SimulatedArm:
     def link_coordinates(self) -> tuple[LinkCoordinates, ...]:
         """Coordinates of each link about its simulated inertia."""
         return tuple(map(LinkCoordinates, self.inertia))
+
+    @property
+    def gravity(self) -> FloatArray:
+        """Of the file [m/s²]. Shape (3,)."""
+        return np.array(self._model.opt.gravity, dtype=np.float64)
+
+    @property
+    def level_axes(self) -> dict[str, FloatArray]:
+        """The two axes of the world that lie most level, by their names, as directions at right angles to gravity."""
+        down = self.gravity / max(float(np.linalg.norm(self.gravity)), 1e-12)
+        first, second = sorted(np.argsort(np.abs(down))[:2].tolist())
+        x = np.eye(3)[first] - down[first] * down
+        x /= np.linalg.norm(x)
+        y = np.cross(down, x)
+        return {"xyz"[first]: x, "xyz"[second]: y * np.sign(y[second])}
 
     @property
     def order(self) -> tuple[int, ...]:
