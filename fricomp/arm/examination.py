@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fricomp.blas import one_blas_thread
-from fricomp.errors import RecordingError
+from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording
 
 from .answer import ArmAnswer, confirm_terms
@@ -112,7 +113,11 @@ def match_recordings(
     recorded = [one.metadata.joint for one in recordings]
     require_single(recorded)
     torques = take_torques(recordings, gains or {})
-    arm = read_arm(simulation, recorded, names)
+    arm, apart = _read_recorded(simulation, torques, names)
+    if apart:
+        kept = [one for one in recordings if one.metadata.joint not in apart]
+        arm, joined = match_recordings(kept, simulation, names, gains)
+        return arm, replace(joined, still=(*joined.still, *apart))
     if arm.order != tuple(range(len(recorded))):
         recorded, torques = [recorded[i] for i in arm.order], [torques[i] for i in arm.order]
         arm = read_arm(simulation, recorded, names)
@@ -125,6 +130,36 @@ def match_recordings(
         raise RecordingError(f"none of {', '.join(still)} moves further than it sways: move the arm")
     held = read_arm(simulation, [one.metadata.joint for one in moving], still=still)
     return held, replace(join_joints(moving), still=tuple(still))
+
+
+def _read_recorded(
+    simulation: str | Path, recordings: Sequence[Recording], names: Mapping[str, str] | None
+) -> tuple[SimulatedArm, tuple[str, ...]]:
+    """The arm with these joints, and names of recorded ones that it lacks and that stood still, such as a gripper's."""
+    recorded = [one.metadata.joint for one in recordings]
+
+    def read(left_out: Collection[str]) -> SimulatedArm:
+        given = {name: there for name, there in (names or {}).items() if name not in left_out}
+        return read_arm(simulation, [name for name in recorded if name not in left_out], given)
+
+    try:
+        return read(()), ()
+    except SimulationFileError:
+        still = set(_find_still(recordings))
+        if not still or len(still) > len(recorded) - 2:
+            raise
+        with suppress(SimulationFileError):
+            read(still)
+            apart = tuple(name for name in recorded if name in still and not _is_readable(read, still - {name}))
+            return read(apart), apart
+        raise
+
+
+def _is_readable(read: Callable[[Collection[str]], SimulatedArm], left_out: Collection[str]) -> bool:
+    with suppress(SimulationFileError):
+        read(left_out)
+        return True
+    return False
 
 
 def _find_still(recordings: Sequence[Recording]) -> dict[str, float]:

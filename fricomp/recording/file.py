@@ -9,6 +9,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.csv_file import FileContent, read_csv, write_csv
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
+from fricomp.recording.named.column import simplify_joint
 from fricomp.recording.named.log import is_native, read_named_log
 from fricomp.recording.named.source import is_bag_folder
 from fricomp.recording.parquet_file import read_parquet, write_parquet
@@ -112,7 +113,7 @@ def _read_named(
             notes.append(f"{path.name}: of {len(found)} joints {moving[0].metadata.joint} alone moves, and was taken")
         found = moving if len(moving) == 1 else ()
     elif len(found) > 1:
-        found = tuple(one for one in found if one.metadata.joint == joint)
+        found = _select_joint(found, str(joint))
     if not found:
         names = ", ".join(one.metadata.joint for one in log.recordings)
         none = f", none of them {joint!r}" if joint is not None else ""
@@ -125,6 +126,13 @@ def _read_named(
     advice = "if it is wrong, 'fricomp convert LOG --inspect' writes a mapping to edit"
     told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in notes)
     return FileContent(found[0], (*told, *log.findings))
+
+
+def _select_joint(recordings: tuple[Recording, ...], joint: str) -> tuple[Recording, ...]:
+    """The recording of a joint by its name, or the only one whose name differs by the word joint, case or marks."""
+    same = tuple(one for one in recordings if one.metadata.joint == joint)
+    alike = tuple(one for one in recordings if simplify_joint(one.metadata.joint) == simplify_joint(joint))
+    return same or (alike if len(alike) == 1 else ())
 
 
 def _suffix(path: Path) -> str:

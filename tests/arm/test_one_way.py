@@ -1,4 +1,4 @@
-"""Joints that never go back: where all of them do not, nothing can be said of friction; where some do not, it is told."""
+"""Joints that never go back: if all do not, nothing can be said of their friction; if some do not, they are listed."""
 
 from __future__ import annotations
 

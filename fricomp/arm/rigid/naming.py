@@ -27,7 +27,8 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
     """Name in the simulation of each recorded joint.
 
     Equal names are the same joint, and so are those that differ by the word joint, by case, marks or leading zeros,
-    where that leaves no choice: `joint_1`, `J1`, and `panda_joint1` where all recorded names have one with `panda`.
+    where that leaves no choice: `joint_1`, `J1`, and `panda_joint1` where all names of one side have `panda` before
+    those of the other.
 
     Args:
         recorded: Names in the recordings.
@@ -42,8 +43,9 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
         raise SimulationFileError(
             f"--match names {unknown[0]!r}, which was not recorded: the recordings are of {', '.join(recorded)}"
         )
-    prefix = _find_prefix([name for name in recorded if name not in given], simulated)
-    found = {name: given.get(name) or _find(name, simulated, prefix) for name in recorded}
+    free = [name for name in recorded if name not in given and name not in simulated]
+    prefix, extra = _find_prefix(free, simulated), _find_extra(free, simulated)
+    found = {name: given.get(name) or _find(name, simulated, (prefix, extra)) for name in recorded}
     missing = [name for name, there in found.items() if there not in simulated]
     twice = [name for name, there in found.items() if list(found.values()).count(there) > 1]
     if not missing and not twice:
@@ -52,18 +54,24 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
     raise SimulationFileError(_write_refusal([*missing, *twice], [one for one in simulated if one not in taken]))
 
 
-def _find(name: str, simulated: Sequence[str], prefix: str) -> str | None:
-    """The joint of a simulation that has this name, or the only one that has it behind the prefix."""
+def _find(name: str, simulated: Sequence[str], prefixes: tuple[str, str]) -> str | None:
+    """The joint of a simulation that has this name, or the only one that has it but for the words before it.
+
+    Args:
+        name: In the recordings.
+        simulated: Names in the simulation.
+        prefixes: Words that stand before it in the simulation alone, and in the recordings alone.
+    """
     if name in simulated:
         return name
-    wanted = prefix + simplify_joint(name)
+    wanted = prefixes[0] + simplify_joint(name).removeprefix(prefixes[1])
     alike = [one for one in simulated if simplify_joint(one) == wanted]
     return alike[0] if len(alike) == 1 else None
 
 
 def _find_prefix(recorded: Sequence[str], simulated: Sequence[str]) -> str:
     """Words before every recorded name in the simulation, such as that of the robot; the shortest that fits all."""
-    wanted = [simplify_joint(name) for name in recorded if name not in simulated]
+    wanted = [simplify_joint(name) for name in recorded]
     there = {simplify_joint(name) for name in simulated}
     if not wanted:
         return ""
@@ -71,6 +79,17 @@ def _find_prefix(recorded: Sequence[str], simulated: Sequence[str]) -> str:
     fitting = sorted((one for one in prefixes if all(one + name in there for name in wanted)), key=_count_words)
     alone = len(fitting) == 1 or (len(fitting) > 1 and _count_words(fitting[0]) < _count_words(fitting[1]))
     return fitting[0] if alone else ""
+
+
+def _find_extra(recorded: Sequence[str], simulated: Sequence[str]) -> str:
+    """Words before every recorded name that the simulation does without; the fewest with which all are in it."""
+    there, names = {simplify_joint(name) for name in simulated}, [simplify_joint(name) for name in recorded]
+    words = names[0].split("_") if names else []
+    for count in range(1, len(words)):
+        extra = "_".join(words[:count]) + "_"
+        if all(name.startswith(extra) and name.removeprefix(extra) in there for name in names):
+            return extra
+    return ""
 
 
 def _count_words(prefix: str) -> int:

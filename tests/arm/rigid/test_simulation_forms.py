@@ -9,10 +9,15 @@ import mujoco
 import numpy as np
 import pytest
 
+from fricomp.arm.examination import match_recordings
 from fricomp.arm.rigid.naming import match_joints, parse_names
 from fricomp.arm.rigid.regressor import compute_regressor
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import SimulationFileError
+from fricomp.laws import FloatArray
+from fricomp.recording import Recording, RecordingMetadata
+
+from ..moving_arm import write_arm
 
 INERTIAL = (
     '<inertial><origin xyz="0.01 0.02 0.1"/><mass value="{0}"/>'
@@ -150,3 +155,19 @@ def test_a_mapping_of_names_may_stand_in_one_option() -> None:
     assert parse_names(["a=left,b=right", "c=top"]) == {"a": "left", "b": "right", "c": "top"}
     with pytest.raises(SimulationFileError, match="has no '='"):
         parse_names(["a"])
+
+
+def test_a_recorded_gripper_that_stood_still_and_is_not_in_the_simulation_is_left_out(tmp_path: Path) -> None:
+    """Joints that stood still and are in the simulation stay where they stood."""
+    simulation, time = write_arm(tmp_path), np.arange(0.0, 12.0, 0.004)
+
+    def record(joint: str, position: FloatArray) -> Recording:
+        return Recording(time=time, position=position, torque=np.cos(time), metadata=RecordingMetadata(joint=joint))
+
+    moving = [record("arm_shoulder", np.sin(time)), record("arm_elbow", np.cos(0.7 * time))]
+    still = [record("arm_wrist", np.full(time.size, 0.4)), record("jaw", np.full(time.size, 0.02))]
+    arm, recording = match_recordings([*moving, *still], simulation)
+    assert arm.joints == ("shoulder", "elbow")
+    assert recording.still == ("wrist", "jaw")
+    with pytest.raises(SimulationFileError, match="'jaw'"):
+        match_recordings([*moving, still[0], record("jaw", 0.3 * np.sin(time))], simulation)
