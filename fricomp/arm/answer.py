@@ -16,12 +16,15 @@ from .identification import ArmIdentification, fit_robustly
 from .model import ArmModel
 from .uncertainty.scatter import widen_covariance
 
-__all__ = ["ArmAnswer", "TermEvidence", "confirm_terms"]
+__all__ = ["LEAST_FALL", "RECURRENCE", "ArmAnswer", "TermEvidence", "confirm_terms"]
 
-_RECURRENCE = 0.9
+RECURRENCE = 0.9
 """Least share of halves that must ask for a term: the probability of a name that is printed."""
 
-_LEAST_FALL = 0.1
+_LEAST_RECURRENCE = 0.5
+"""The same of a term that stays in the model and is not named, since it lowers the held-out error by `LEAST_FALL`."""
+
+LEAST_FALL = 0.1
 """Least part by which a named term lowers its joint's held-out error. On real arms further terms gain up to a tenth
 whatever they are."""
 
@@ -62,13 +65,13 @@ class ArmAnswer:
     def is_named(self, joint: int, term: str) -> bool:
         """Whether a term of a joint is physics that matters.
 
-        It heads its family, lowers the held-out error, its interval does not hold a joint without it, and its variant
-        is not the last that was tried.
+        It heads its family, recurs, lowers the held-out error, its interval does not hold a joint without it, and its
+        variant is not the last that was tried.
         """
         form = self.identification.fit.model.forms[joint]
-        if term not in EFFECTS or form.find_head(term) != term:
+        if term not in EFFECTS or form.find_head(term) != term or self.evidence[joint, term].recurrence < RECURRENCE:
             return False
-        fit, matters = self.identification.fit, self.evidence[joint, term].fall >= _LEAST_FALL
+        fit, matters = self.identification.fit, self.evidence[joint, term].fall >= LEAST_FALL
         return matters and _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
 
     def list_named(self, joint: int) -> tuple[str, ...]:
@@ -143,13 +146,17 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
 
 
 def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
-    """What recurs stays in the model: without it, links and friction would take its place.
+    """What recurs stays in the model, and what half of the halves ask for where it lowers the held-out error as a name
+    would: without it, links and friction would take its place.
 
-    What would be wrong with the torque signal of one joint must matter, too.
+    What would be wrong with the torque signal of one joint must recur and matter.
     """
     matters = evidence.fall >= _LEAST_FALL_OF_A_SIGNAL
     of_a_signal = named and name in EFFECTS and EFFECTS[name].kind == "measurement"
-    return evidence.recurrence >= _RECURRENCE and (matters or not of_a_signal)
+    if of_a_signal:
+        return evidence.recurrence >= RECURRENCE and matters
+    helps = evidence.recurrence >= _LEAST_RECURRENCE and evidence.fall >= LEAST_FALL
+    return evidence.recurrence >= RECURRENCE or helps
 
 
 def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:

@@ -34,7 +34,7 @@ from fricomp.diagnosis.samples.sample_finding import compute_held_out
 from fricomp.diagnosis.search.generic import measure_time_since_reversal
 from fricomp.laws import FloatArray
 
-from ..answer import ArmAnswer
+from ..answer import LEAST_FALL, RECURRENCE, ArmAnswer
 from ..arm_recording import find_start_temperature
 from ..confirmation import ConfirmedData, without_terms
 from ..examination import ArmExamination
@@ -255,6 +255,8 @@ def _say_why_not(answer: ArmAnswer, joint: int, name: str, named: dict[str, Join
     if name in named:
         return ""
     evidence = answer.evidence.get((joint, name))
+    if evidence is not None and evidence.fall >= LEAST_FALL and evidence.recurrence < RECURRENCE:
+        return f"stays in the model, and only {evidence.recurrence:.0%} of the halves of the recording ask for it"
     if evidence is not None:
         return f"stays in the model, and lowers the held-out error by {max(evidence.fall, 0.0):.0%} only"
     return (
