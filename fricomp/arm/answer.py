@@ -10,10 +10,10 @@ from scipy.stats import chi2
 from fricomp.diagnosis.effects import EFFECTS
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
+from .coordinates import ArmModel
 from .fit import ArmFit
 from .friction import TERMS, JointForm
 from .identification import ArmIdentification, fit_robustly
-from .model import ArmModel
 from .uncertainty.scatter import widen_covariance
 
 __all__ = ["LEAST_FALL", "RECURRENCE", "ArmAnswer", "TermEvidence", "confirm_terms"]

@@ -1,17 +1,30 @@
-"""The answer on an arm in short: what is wrong, in which joints and links, and what to do; from the record alone."""
+"""The answer on an arm in short: what is wrong, in which joints and links, what to do, and what joints share; from the
+record alone."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
-from .record import ArmRecord, JointEffect, LinkRecord
-from .shared_cause import say_shared_causes
+from .record import ArmRecord, JointEffect, JointRecord, LinkRecord
 
-__all__ = ["say_tilt", "write_summary"]
+__all__ = ["say_shared_causes", "say_tilt", "write_summary"]
+
+_LEAST, _SHARE = 3, 0.5
+"""Joints, and part of all joints, in which an effect must show to be told as shared."""
+
+_CAUSES = {
+    "load_coulomb": "the same kind of gear in all of them, or torques of the joints in wrong units",
+    "load_quadratic": "the same kind of gear in all of them, or torques of the joints in wrong units",
+    "presliding_hysteresis": "the same kind of gear or bearing in all of them, or a clock that is coarse at reversals",
+    "thermal_friction": "the arm that warms up as a whole: let it run warm, or record both states",
+    "torque_delay": "the bus or the drives' firmware: look at how late the torques are stamped",
+    "torque_gain_error": "the supply, or torque constants of one kind: compare them with the drives' data sheets",
+}
+"""What effects have in common where several joints show them."""
 
 
 def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
@@ -30,6 +43,20 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
     unknown = [link.name for link in record.links if link.state == "not_determined"]
     lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
+    return tuple(lines)
+
+
+def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """One sentence on each effect that half of the joints show, with their names and what they may share."""
+    lines = []
+    for name in sorted({effect.name for joint in joints for effect in joint.effects}):
+        shown = [joint.name for joint in joints if any(effect.name == name for effect in joint.effects)]
+        if len(shown) >= max(_LEAST, _SHARE * len(joints)):
+            cause = _CAUSES.get(name, "one cause")
+            lines.append(
+                f"{name} shows in {len(shown)} of {len(joints)} joints ({', '.join(shown)}). What they share "
+                f"comes first: {cause}."
+            )
     return tuple(lines)
 
 

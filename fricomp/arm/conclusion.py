@@ -13,14 +13,13 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import say_tilt, write_summary
+from .brief import say_shared_causes, say_tilt, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
-from .shared_cause import say_shared_causes
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 

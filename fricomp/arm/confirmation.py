@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
+from .coordinates import ArmModel
 from .equations import ArmEquations, BoolArray, EquationSums
 from .fit import ArmFit, fit_arm
 from .friction import JointForm
-from .model import ArmModel
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .ripple import RippleSearch

@@ -11,13 +11,12 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from .equations import N_LAST, ArmEquations, EquationSums
-from .friction import PLAIN, column_names
-from .model import ArmModel
+from .friction import PLAIN, JointForm, column_names
 from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
 
-__all__ = ["Coordinates", "Linearised", "PriorSizes", "measure_sizes"]
+__all__ = ["ArmModel", "Coordinates", "Linearised", "PriorSizes", "measure_sizes"]
 
 _WARMTH = 10.0
 """[K] over which friction may change by all of its prior: joints at work get that much warmer."""
@@ -31,6 +30,29 @@ model is weighed from where it is not held."""
 
 _NUMBERS = {name: k for k, name in enumerate(column_names())}
 """Number of each column of friction by its name."""
+
+
+@dataclass(frozen=True)
+class ArmModel:
+    """What is fitted beside links within the prior, rotors, and plain friction.
+
+    Attributes:
+        forms: Friction of each joint.
+        opened: Links that may be far off.
+        tilted: Whether gravity may lean over, as it does where the base of the arm is not level.
+        gain: Whether all torques may have a common gain.
+        rotorless: Joints without a rotor's inertia: their torques, such as those of a sensor behind the gear, asked for
+            less than none.
+        pinned: Numbers of joints and names of friction parameters that are held at zero, since a joint would feed
+            energy in with what the recording asks for.
+    """
+
+    forms: tuple[JointForm, ...]
+    opened: frozenset[int] = frozenset()
+    tilted: bool = False
+    gain: bool = False
+    rotorless: frozenset[int] = frozenset()
+    pinned: frozenset[tuple[int, str]] = frozenset()
 
 
 class Linearised(NamedTuple):

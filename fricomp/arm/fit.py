@@ -15,9 +15,8 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .coordinates import Coordinates, Linearised, measure_sizes
+from .coordinates import ArmModel, Coordinates, Linearised, measure_sizes
 from .equations import N_LAST, ArmEquations, EquationSums
-from .model import ArmModel
 from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm

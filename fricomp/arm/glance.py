@@ -11,11 +11,10 @@ from scipy.linalg import lu_factor, lu_solve
 
 from fricomp.laws import FloatArray
 
-from .coordinates import Coordinates, measure_sizes
+from .coordinates import ArmModel, Coordinates, measure_sizes
 from .equations import N_LAST, ArmEquations
 from .fit import ArmFit
 from .friction import TERMS, JointForm
-from .model import ArmModel
 from .prior import ArmPrior
 
 __all__ = ["Glance"]

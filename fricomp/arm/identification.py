@@ -17,11 +17,11 @@ from fricomp.blas import one_blas_thread
 from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
+from .coordinates import ArmModel
 from .equations import ArmEquations, build_equations
 from .fit import ArmFit, fit_arm
 from .friction import TERMS, JointForm
 from .glance import Glance
-from .model import ArmModel
 from .physics import hold_at_zero, is_physical
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm

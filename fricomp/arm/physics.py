@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from .coordinates import ArmModel
 from .fit import ArmFit
-from .model import ArmModel
 
 __all__ = ["hold_at_zero", "is_physical"]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from fricomp.arm.brief import say_shared_causes
 from fricomp.arm.record import JointEffect, JointRecord
-from fricomp.arm.shared_cause import say_shared_causes
 from fricomp.diagnosis.record.result import Quantity
 
 

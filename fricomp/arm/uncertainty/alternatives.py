@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..confirmation import without_term
+from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
 from ..glance import Glance
 from ..identification import LOOK_STEPS, propose_models
-from ..model import ArmModel
 from ..physics import is_physical
 from ..prior import ArmPrior
 

@@ -19,11 +19,11 @@ from scipy.stats import norm
 
 from fricomp.laws import FloatArray
 
+from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit
 from ..friction import PLAIN, TERMS
 from ..glance import Glance
-from ..model import ArmModel
 from ..prior import ArmPrior
 from ..rigid.inertia import N_INERTIA
 from .alternatives import Alternatives
