@@ -180,7 +180,7 @@ def _read(file: Path, arm: ArmOptions, joint: str | None, cut: Cut) -> Recording
     """
     from fricomp.calibration.table import is_friction_table
 
-    if is_friction_table(file):
+    if not arm.mapping and is_friction_table(file):  # what a mapping makes is a recording
         _refuse(cut.given | {"--joint": joint is not None}, f"is of recordings, and {file.name} is a table of friction")
     return cut.apply(read_joint(file, arm, joint))
 

@@ -40,7 +40,7 @@ def read_head(path: Path) -> tuple[str, int] | None:
 
 
 def read_number_rows(
-    path: Path, start: int, names: Sequence[str], wanted: Sequence[str] | None = None
+    path: Path, start: int, names: Sequence[str], wanted: Sequence[str] | None = None, *, delimiter: str = ","
 ) -> dict[str, NDArray[np.float64]] | None:
     """Read the columns of a file whose rows are numbers, finite or not; None where they are not, or pyarrow is missing.
 
@@ -49,6 +49,7 @@ def read_number_rows(
         start: Bytes before the first row.
         names: Of its columns.
         wanted: Those that are read; None for all.
+        delimiter: One character between two cells.
     """
     try:
         import pyarrow
@@ -59,13 +60,14 @@ def read_number_rows(
     options = csv.ConvertOptions(
         column_types=dict.fromkeys(kept, pyarrow.float64()), include_columns=kept, null_values=[]
     )
+    parsing = csv.ParseOptions(delimiter=delimiter, quote_char=False, invalid_row_handler=_skip_comment)
     try:
         with pyarrow.OSFile(str(path), "rb") as file:
             file.seek(start)
             table = csv.read_csv(
                 file,
                 read_options=csv.ReadOptions(column_names=list(names)),
-                parse_options=csv.ParseOptions(quote_char=False, invalid_row_handler=_skip_comment),
+                parse_options=parsing,
                 convert_options=options,
             )
     except (pyarrow.ArrowException, OSError):

@@ -380,3 +380,23 @@ def test_an_option_that_would_be_ignored_is_refused(tmp_path: Path, options: lis
     assert isinstance(done.exception, IdentificationError), done.output
     assert words in str(done.exception)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_mapping_reads_a_log_without_names(tmp_path: Path) -> None:
+    """Numbers alone are no table of friction to be asked about, once a mapping says what they are."""
+    time = np.arange(0.0, 12.0, 0.01)
+    velocity = 0.6 * np.cos(0.9 * time) + 0.4 * np.cos(2.3 * time)
+    position = 0.6 / 0.9 * np.sin(0.9 * time) + 0.4 / 2.3 * np.sin(2.3 * time)
+    noise = 0.01 * np.random.default_rng(0).standard_normal(time.size)
+    np.savetxt(
+        tmp_path / "log.csv", np.column_stack([time, position, 0.5 * np.sign(velocity) + 0.2 * velocity + noise])
+    )
+    (tmp_path / "robot.toml").write_text(
+        '[source]\ndelimiter = ""\n[channels]\ntime = { column = 1 }\nposition = { column = 2 }\n'
+        "torque = { column = 3 }\n"
+    )
+    options = ["--mapping", str(tmp_path / "robot.toml"), "--law", "coulomb_viscous", "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, [str(tmp_path / "log.csv"), *options])
+    assert result.exit_code == 0, (result.output, result.exception)
+    found = load_model(tmp_path / "out" / "friction.json").law.parameters()
+    assert found["coulomb.coulomb_torque"] == pytest.approx(0.5, rel=0.02)

@@ -13,6 +13,7 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
+from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources import is_text, read_columns
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
@@ -164,6 +165,9 @@ def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:
 
 def _read_text(path: Path) -> dict[str, Samples]:
     """Columns of a text table with a line of names; a cell such as `[0.1, 0.2]` is several."""
+    fast = _read_large_text(path)
+    if fast is not None:
+        return fast
     lines = read_lines(path)
     layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:_FIRST_LINES]])
     if not layout.names:
@@ -179,6 +183,21 @@ def _read_text(path: Path) -> dict[str, Samples]:
         if not any(np.isfinite(values).any() for values in found.values()):
             words[name] = cells
     return separate_long_rows(columns, words)
+
+
+def _read_large_text(path: Path) -> dict[str, Samples] | None:
+    """Columns of a large table that holds nothing but numbers; None where it must be read with care."""
+    head = read_head(path)
+    if head is None:
+        return None
+    lines = head[0].splitlines(keepends=True)
+    layout = _require_layout(path, lines[:_FIRST_LINES])
+    names = [name.strip() for name in layout.names or ()]
+    is_clear = all(names) and len(set(names)) == len(names) and len(layout.delimiter) == 1
+    if not names or not is_clear:
+        return None
+    start = head[1] + sum(len(line.encode()) for line in lines[: layout.rows_line])
+    return read_number_rows(path, start, names, delimiter=layout.delimiter)
 
 
 def explain_unnamed(path: Path) -> str:
