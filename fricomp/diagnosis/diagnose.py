@@ -11,6 +11,7 @@ import numpy as np
 
 from fricomp.blas import one_blas_thread
 from fricomp.errors import DiagnosisError, ParameterError
+from fricomp.evaluation.motion import find_band
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
@@ -27,6 +28,7 @@ from .inputs.track import Track
 from .joint.base import unpack
 from .joint.loading import build_tracks, has_low_rate
 from .joint.observer import Observer
+from .joint.settings import JOINT
 from .joint.weak_form import estimate_rest_speed
 from .low_rate.answer import diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
@@ -59,6 +61,9 @@ class StageSettings:
             is led back to the recorded position; a larger part would lead slow sliding back as well.
         slow_bandwidth: Bandwidth of the observer [rad/s] for recordings below some 300 Hz, whose steps a faster one
             could not follow.
+        noise_share: Part of the acceleration's power that may be noise of the encoder in a row. An inertia comes out
+            too small by it, and a loop that answers the noise takes its share for the motion's.
+        widest_row: Widest row [s], about that of slow recordings: a wider one holds a whole stroke.
     """
 
     nulls: int = 32
@@ -66,6 +71,8 @@ class StageSettings:
     other_draws: int = 3
     resting: float = 0.6
     slow_bandwidth: float = 30.0
+    noise_share: float = 0.01
+    widest_row: float = 0.17
 
 
 SETTINGS = StageSettings()
@@ -284,9 +291,12 @@ def _build_tracks(given: Given, acts_late: float = 0.0) -> list[Track]:
 
 
 def _choose_observer(given: Given, tracks: Sequence[Track]) -> Observer:
-    """An observer that knows rest from sliding, and is slow where the recordings are."""
-    observer = Observer(rest_speed=SETTINGS.resting * estimate_rest_speed(tracks))
-    return replace(observer, bandwidth=SETTINGS.slow_bandwidth) if has_low_rate(given.recordings) else observer
+    """An observer that knows rest from sliding, is slow where the recordings are, and follows no encoder's noise."""
+    band = min(find_band(one, SETTINGS.noise_share) for one in given.recordings)
+    width = min(max(JOINT.row_width, 1.0 / band), SETTINGS.widest_row)
+    observer = Observer(rest_speed=SETTINGS.resting * estimate_rest_speed(tracks, width), width=width)
+    fastest = SETTINGS.slow_bandwidth if has_low_rate(given.recordings) else observer.bandwidth
+    return replace(observer, bandwidth=min(fastest, JOINT.settled / width))
 
 
 def _check_inertia(given: Given, baseline: Baseline) -> list[str]:

@@ -17,7 +17,7 @@ from fricomp.recording import Recording, resample
 
 from .settings import EVALUATION
 
-__all__ = ["MotionPart", "RecordedMotion", "join_motions", "low_pass", "read_motion"]
+__all__ = ["MotionPart", "RecordedMotion", "find_band", "join_motions", "low_pass", "read_motion"]
 
 Rows = NDArray[np.bool_]
 
@@ -116,6 +116,19 @@ def read_motion(recording: Recording, *, band: float | None = None) -> RecordedM
     )
 
 
+def find_band(recording: Recording, noise_share: float = EVALUATION.noise_share) -> float:
+    """Find the upper end of the widest band in which little of the acceleration is noise of the encoder [Hz].
+
+    The narrowest band that is tried, where the recording has no part long enough to tell.
+
+    Args:
+        recording: Any motion of one joint.
+        noise_share: Part of the acceleration's power that may be noise.
+    """
+    rows = _split_at_gaps(recording)
+    return _choose_band(rows, 1.0 / recording.sample_period, noise_share) if rows else EVALUATION.bands[-1]
+
+
 def low_pass(values: FloatArray, band: float, dt: float) -> FloatArray:
     """Butterworth low-pass up to `band` [Hz], forward and backward, so that nothing is delayed. Shape (n,)."""
     result: FloatArray = sosfiltfilt(_design_low_pass(band, dt), values)
@@ -152,8 +165,8 @@ def _check_band(band: float, rate: float) -> float:
     return band
 
 
-def _choose_band(rows: list[Recording], rate: float) -> float:
-    """The widest band in which little of the acceleration is noise of the encoder.
+def _choose_band(rows: list[Recording], rate: float, noise_share: float = EVALUATION.noise_share) -> float:
+    """The same of the parts between gaps.
 
     White noise of the density S in the position gives (2 pi)^4 S f^5 / 5 of acceleration up to the frequency f.
     """
@@ -163,7 +176,7 @@ def _choose_band(rows: list[Recording], rate: float) -> float:
     density = 2.0 / rate * max(noise**2, quantum**2 / 12.0)
     for band in fits:
         power = float(np.mean([np.var(_differentiate(one, rate, band)[1]) for one in rows]))
-        if (2.0 * np.pi) ** 4 * density * band**5 / 5.0 <= EVALUATION.noise_share * power:
+        if (2.0 * np.pi) ** 4 * density * band**5 / 5.0 <= noise_share * power:
             return band
     return fits[-1]
 

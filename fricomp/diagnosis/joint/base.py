@@ -110,15 +110,18 @@ def even_directions(theta: FloatArray) -> FloatArray | None:
 
 
 def align_falls(theta: FloatArray) -> FloatArray | None:
-    """Let friction fall with speed in both directions as it does in the one with the lower Stribeck velocity; None
-    where these are alike. Shape (p,).
+    """Let friction fall with speed in both directions as it does in one of them; None where they are alike. Shape (p,).
 
-    In a direction whose start of motion a wrong bristle had wrong, the Stribeck velocity has run away: the way back to
-    the low one leads uphill.
+    In a direction whose start of motion a wrong bristle had wrong, the static friction is lost or the Stribeck
+    velocity has run away: the way back leads uphill. The direction to go by is the one that has static friction, or
+    the one with the lower Stribeck velocity where both have.
     """
-    sides = [[BASE_NAMES.index(f"{side}.{name}") for name in _FALL] for side in ("forward", "reverse")]
-    low, high = sorted(sides, key=lambda side: theta[side[1]])
-    if theta[high[1]] - theta[low[1]] < JOINT.unlike_stribeck:
+    forward, reverse = ([BASE_NAMES.index(f"{side}.{name}") for name in _FALL] for side in ("forward", "reverse"))
+    less, more = sorted((forward, reverse), key=lambda side: theta[side[0]])
+    low, high = sorted((forward, reverse), key=lambda side: theta[side[1]])
+    if theta[less[0]] < JOINT.lost_fall * theta[more[0]]:
+        low, high = more, less
+    elif theta[high[1]] - theta[low[1]] < JOINT.unlike_stribeck:
         return None
     result = theta.copy()
     result[high] = theta[low]

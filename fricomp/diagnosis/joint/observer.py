@@ -130,12 +130,14 @@ class Observer:
         rest_speed: Below it the joint counts as resting [rad/s].
         leak: Rate at which the position of a resting model returns to the recorded one [1/s].
         step: Longest substep in radians of the bristle's own oscillation.
+        width: Width of the windows over which the missing torque is averaged [s], at least.
     """
 
     bandwidth: float = 100.0
     rest_speed: float = 3e-3
     leak: float = 200.0
     step: float = 0.12
+    width: float = JOINT.row_width
 
     def compute_return(self, track: Track, plant: Plant, observation: Observation) -> FloatArray:
         """Compute how fast the position of a resting model goes back to the recorded one, besides its velocity [rad/s].

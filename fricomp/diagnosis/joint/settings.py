@@ -50,6 +50,9 @@ class JointSettings:
     unlike_stribeck: float = 1.6
     """Difference of the logarithms of both directions' Stribeck velocities that no joint has: the fit is repeated
     with both as the lower one."""
+    lost_fall: float = 0.1
+    """Part of one direction's static friction below which the other's counts as lost, and the fit is repeated with
+    both alike."""
     held_scale: float = 1e-9
     """Scale of a parameter that is not fitted, in its own unit. It is only small enough to leave no trace."""
     largest_damping_time: float = 0.012
@@ -121,6 +124,8 @@ class JointSettings:
     """Width of a row's Hann window [s]: long enough to average noise, short enough for a reversal."""
     row_step: float = 0.020
     """Time from row to row [s]; neighbouring rows overlap by half."""
+    settled: float = 5.0
+    """Time constants of the observer that a row's window spans at least, so that it has followed."""
     innovation_window: float = 0.061
     """Window of the slope by which velocities are improved [s]. A shorter one puts the encoder's noise into them."""
     fine_substeps: tuple[int, int] = (3, 40)
@@ -174,6 +179,9 @@ class JointSettings:
     """Part of the torque's noise below which the answer of a loop to the encoder's steps is not worth a simulation."""
     astray_steps: float = 10.0
     """Steps of the encoder that the joint may be off under its loop; a loop that leaves it further has not moved it."""
+    usual_weight: float = 0.01
+    """Weight of an offset, of the difference of both directions and of that from the simulation in the first estimate,
+    in that of the torque they would make: next to nothing where the rows show them."""
     most_rows: int = 6000
     """Most rows of the first estimate; more cost time and change nothing."""
     rest_speed: float = 5e-3

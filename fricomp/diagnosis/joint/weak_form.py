@@ -16,6 +16,7 @@ from scipy.signal import fftconvolve
 
 from fricomp.errors import DiagnosisError
 
+from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray, Track
 from .observer import Plant
 from .settings import JOINT
@@ -32,17 +33,28 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
 
 
 class WeakRows(NamedTuple):
-    """Rows of the weak form: shape (n,) each, `speed` of shape (n, m) samples under the window."""
+    """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint.
+
+    `known` are inertia and gravity of a simulation.
+    """
 
     torque: FloatArray
     inertia: FloatArray
     gravity: FloatArray
     velocity: FloatArray
     direction: FloatArray
+    known: tuple[float, float, float] | None = None
+
+
+_PER_ROW = ("torque", "inertia", "gravity", "velocity", "direction")
 
 
 def estimate_plants(
-    tracks: Sequence[Track], *, width: float = 0.042, rest_speed: float | None = None
+    tracks: Sequence[Track],
+    *,
+    width: float = 0.042,
+    rest_speed: float | None = None,
+    known: RigidJoint | None = None,
 ) -> tuple[Plant, ...]:
     """Estimate first plants from the moving parts of `tracks`. There is a second one where friction falls over all
     speeds and leaves little Coulomb torque: it has at least half of the friction in the slowest rows.
@@ -51,20 +63,22 @@ def estimate_plants(
         tracks: Recordings of one joint.
         width: Window of the test function [s].
         rest_speed: Slower samples take no part [rad/s]; None for that of `estimate_rest_speed`.
+        known: Inertia and gravity of a simulation, which decide where the rows do not.
 
     Raises:
         DiagnosisError: Too few samples are faster.
     """
     rest_speed = estimate_rest_speed(tracks, width) if rest_speed is None else rest_speed
     rows = [_build_rows(track, width, rest_speed) for track in tracks]
-    joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
+    joined = WeakRows(*(np.concatenate([getattr(one, name) for one in rows]) for name in _PER_ROW))
     if joined.torque.size < 20:
         raise DiagnosisError(
             f"the joint hardly ever slides faster than {rest_speed:g} rad/s (or m/s) for {width:g} s on end: "
             "record a faster motion"
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
-    joined = WeakRows(*(part[keep] for part in joined))
+    joined = WeakRows(*(getattr(joined, name)[keep] for name in _PER_ROW))
+    joined = joined._replace(known=None if known is None else (known.inertia, *known.gravity))
     top = float(np.quantile(np.abs(joined.velocity), 0.98))
     grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
     start = min((_compute_cost(np.array([a, a]), joined), a) for a in grid)[1]
@@ -115,19 +129,51 @@ def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
 
 
 def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
-    """Least squares with inertia and friction not negative, gravity and offset free, and a touch of ridge."""
+    """Least squares with inertia and friction not negative, gravity and offset free, and a touch of ridge.
+
+    Of solutions that fit alike it takes the one near the simulation, with hardly any offset, even directions and
+    friction that hardly falls with speed: sliding shows an offset and the difference of the directions as one sum,
+    and one speed shows Coulomb, static and viscous torque as one.
+    """
     A = _build_columns(log_speeds, rows)
     free = rows.gravity.shape[1]
     split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
     norm = np.linalg.norm(split, axis=0) + 1e-12
     ridge = 1e-4 * np.sqrt(rows.torque.size)
     R = np.asarray(np.linalg.qr(np.concatenate([split, rows.torque[:, None]], axis=1), mode="r"))
-    system = np.concatenate([R[:, :-1] / norm * np.sqrt(rows.torque.size), ridge * np.eye(norm.size)])
-    target = np.concatenate([R[:, -1], np.zeros(norm.size)])
+    size = norm / np.sqrt(rows.torque.size)
+    usual, wanted = _build_usual(size, free, rows.known)
+    usual, wanted = (JOINT.usual_weight * np.sqrt(rows.torque.size) * one for one in (usual, wanted))
+    system = np.concatenate([R[:, :-1] / size, ridge * np.eye(norm.size), usual])
+    target = np.concatenate([R[:, -1], np.zeros(norm.size), wanted])
     x, cost = nnls(system, target)
-    x = x / norm * np.sqrt(rows.torque.size)
+    x = x / size
     x[1 : 1 + free] -= x[A.shape[1] :]
     return x[: A.shape[1]], float(cost)
+
+
+def _build_usual(
+    size: FloatArray, free: int, known: tuple[float, float, float] | None
+) -> tuple[FloatArray, FloatArray]:
+    """Rows and right sides of what is usual: no offset, no fall of friction with speed, directions that are alike, and
+    inertia and gravity of the simulation.
+
+    Shapes (k, p), (k,).
+    """
+    opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
+    pairs = [(1, opposite + 1, 1.0, -1.0), *((fall, fall, 1.0, 1.0) for fall in (forward + 1, forward + 4))]
+    for one in range(forward, forward + 3):
+        mean = float(np.hypot(size[one], size[one + 3])) / np.sqrt(2.0)
+        pairs.append((one, one + 3, mean / size[one], -mean / size[one + 3]))
+    wanted = [0.0] * len(pairs)
+    if known is not None:
+        columns = (0, *range(2, 1 + free))
+        pairs += [(0, 0, 1.0, 1.0), *((column, opposite + column, 1.0, -1.0) for column in columns[1:])]
+        wanted += [value * size[column] for value, column in zip(known, columns, strict=False)]
+    rows = np.zeros((len(pairs), size.size))
+    for row, (left, right, plus, minus) in zip(rows, pairs, strict=True):
+        row[right], row[left] = minus, plus
+    return rows, np.array(wanted)
 
 
 def _compute_cost(log_speeds: FloatArray, rows: WeakRows) -> float:

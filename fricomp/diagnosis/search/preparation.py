@@ -139,7 +139,7 @@ def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
     top, tried = find_top_speed(tracks), []
     delays = min(one.delays[0] for one in tracks), max(one.delays[1] for one in tracks)
     torques = max(float(np.std(one.torque)) for one in tracks), max(float(np.max(np.abs(one.torque))) for one in tracks)
-    for plant in estimate_plants(tracks):
+    for plant in estimate_plants(tracks, width=observer.width, known=rigid):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.build_around(
             start, delays=delays, top_speed=top, torques=torques, rotary=tracks[0].rotary, known=rigid
