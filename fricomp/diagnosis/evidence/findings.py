@@ -21,12 +21,12 @@ from .case import Case, compare_given, fit_given, share_between
 from .comparison import PLAIN, UNEXPLAINED, Comparison, Shift, Tolerances, compute_tolerances
 from .confirmation import Confirmation, confirm
 from .effect_evidence import EffectEvidence, measure_effects
-from .gates import find_vibration, stands_out
+from .gates import find_vibration, measure_left, stands_out
 from .in_place import prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
 from .refitted import RefittedJoint
 from .repetition import refit_parts
-from .settings import LOCATION
+from .settings import GATES, LOCATION
 from .trial import Trial, put_to_trial
 from .velocity_lag import find_velocity_lag
 
@@ -108,6 +108,13 @@ class Findings:
         """Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m]."""
         best = self.case.found.best
         return best.common_order if self.unknown and best is not None else None
+
+    @property
+    def left_aside(self) -> tuple[float, float] | None:
+        """What is left beyond the noise and matters too little to be looked for [N·m] or [N], and its part of the
+        Coulomb torque; None where there is nothing."""
+        loud = self.case.baseline.noise_ratio > GATES.audible
+        return measure_left(self.case.baseline) if self.chosen is None and not self.unknown and loud else None
 
     @property
     def foreign_curve(self) -> bool:

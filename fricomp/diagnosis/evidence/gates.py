@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from ..joint.base import BASE_NAMES, unpack
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
@@ -9,7 +12,7 @@ from ..search.tone import Tone, find_tone
 from .confirmation import Confirmation
 from .settings import GATES
 
-__all__ = ["covers", "find_vibration", "is_confirmed", "stands_out"]
+__all__ = ["covers", "find_vibration", "is_confirmed", "measure_left", "stands_out"]
 
 
 def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
@@ -43,14 +46,19 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:
-    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
+    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines, or it is faint."""
+    if not _matters(baseline):
+        return None
     tone = find_tone(baseline)
     return tone if tone.energy > GATES.tone * tone.energy_null and tone.share > GATES.alone else None
 
 
 def stands_out(found: SearchResult, baseline: Baseline) -> bool:
-    """Whether something is missing that no accepted effect covers: it is smooth, or swings as no noise does."""
+    """Whether something is missing that matters and that no accepted effect covers: it is smooth, or swings as no
+    noise does."""
     rows, ratio = baseline.fit.residual.size, baseline.noise_ratio
+    if not _matters(baseline):
+        return False
     if baseline.structured and ratio > GATES.swinging:
         return True
     if ratio < GATES.audible or ratio > GATES.loudest:
@@ -63,3 +71,15 @@ def stands_out(found: SearchResult, baseline: Baseline) -> bool:
         and best is not None
         and best.gain > max(GATES.unknown_thresholds * found.threshold, GATES.unknown * rows)
     )
+
+
+def measure_left(baseline: Baseline) -> tuple[float, float]:
+    """Measure what the base leaves beyond the noise in a typical row: in [N·m] or [N], and in the Coulomb torque."""
+    spread = np.concatenate(baseline.nulls.weights.spread)
+    left = float(np.sqrt(max(baseline.noise_ratio**2 - 1.0, 0.0)) * np.median(spread))
+    return left, left / unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+
+
+def _matters(baseline: Baseline) -> bool:
+    """Whether what the base leaves is a part of the friction that a user would care about."""
+    return measure_left(baseline)[1] > GATES.material

@@ -18,6 +18,7 @@ from .whereabouts import describe_whereabouts, list_whereabouts
 __all__ = [
     "FOREIGN_CURVE",
     "LAWLESS",
+    "LITTLE_LEFT",
     "NOTHING_BUT_SHARED",
     "NO_MOTION",
     "Notes",
@@ -27,6 +28,7 @@ __all__ = [
     "describe_forward",
     "describe_parameter",
     "describe_rest",
+    "describe_trace",
     "write_record",
     "write_sentences",
 ]
@@ -45,6 +47,9 @@ LAWLESS = (
     "its torque, so its friction cannot be judged here."
 )
 """Opening where a late drive is all that can be said."""
+
+LITTLE_LEFT = "Nothing is missing that matters."
+"""Opening where something small is left that no effect explains."""
 
 NOTHING_BUT_SHARED = (
     "Nothing is missing: what this recording shows beyond a rigid joint with friction, the simulation shows as well."
@@ -176,6 +181,14 @@ def describe_rest(noise_ratio: float) -> str:
     return (
         f"Without it the rows leave {noise_ratio:.2f} times their noise: more is missing that no effect of the "
         "catalogue explains."
+    )
+
+
+def describe_trace(left: float, share: float, unit: str) -> str:
+    """What is left that no effect explains and that is too small to be looked for."""
+    return (
+        f"Beside the noise {left:.2g} {unit} is left that no effect explains, {share:.1%} of the Coulomb torque: as "
+        "the steps of an encoder leave it, or a log that is slower than its loop."
     )
 
 

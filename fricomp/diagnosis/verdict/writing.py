@@ -26,11 +26,13 @@ from ..record.result import (
 from ..record.sentence import (
     FOREIGN_CURVE,
     LAWLESS,
+    LITTLE_LEFT,
     NO_MOTION,
     NOTHING_BUT_SHARED,
     Notes,
     describe_detent,
     describe_rest,
+    describe_trace,
     write_record,
 )
 from .experiment import Proposal
@@ -193,6 +195,9 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
         facts += [f"{name} is not named: {why}." for name, why in findings.trial.objections.items()]
     if verdict.sample is not None and verdict.sample.waves and findings.unknown:
         facts.append(describe_rest(findings.noise_ratio))
+    if verdict.sample is None and findings.left_aside is not None:
+        opening = opening or (LITTLE_LEFT if verdict.word == "consistent" else "")
+        facts.append(describe_trace(*findings.left_aside, findings.case.unit))
     if verdict.sample is None and findings.foreign_curve:
         facts.append(f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
     if verdict.sample is None and findings.detent_order is not None:
