@@ -184,7 +184,7 @@ def _describe_experiment(proposal: Proposal, unit: str) -> NextExperiment:
 
 def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | None, remarks: Sequence[str]) -> Notes:
     """What the sentences say that no field of the record holds."""
-    opening, facts = "", []
+    opening, lead, facts = "", [], []
     if verdict.word == "consistent" and verdict.shared.all_shared:
         opening = NOTHING_BUT_SHARED
     elif verdict.sample is not None and verdict.sample.lawless:
@@ -197,9 +197,9 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
         facts.append(describe_rest(findings.noise_ratio))
     if verdict.sample is None and findings.left_aside is not None:
         opening = opening or (LITTLE_LEFT if verdict.word == "consistent" else "")
-        facts.append(describe_trace(*findings.left_aside, findings.case.unit))
+        lead.append(describe_trace(*findings.left_aside, findings.case.unit))
     if verdict.sample is None and findings.foreign_curve:
         facts.append(f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
     if verdict.sample is None and findings.detent_order is not None:
         facts.append(describe_detent(findings.detent_order, findings.case.position_unit))
-    return Notes(opening=opening, facts=tuple(facts), remarks=(*remarks, *verdict.shared.told))
+    return Notes(opening=opening, lead=tuple(lead), facts=tuple(facts), remarks=(*remarks, *verdict.shared.told))
