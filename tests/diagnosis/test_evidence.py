@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from fricomp.diagnosis.effects.structure import N_BASE, Structure, _compute_contributions
 from fricomp.diagnosis.evidence.alias import list_aliases
 from fricomp.diagnosis.evidence.confirmation import Confirmation, _predict_held_out, _split_folds, compute_covariance
-from fricomp.diagnosis.evidence.gates import covers, is_confirmed, stands_out
+from fricomp.diagnosis.evidence.gates import covers, is_confirmed, measure_left, stands_out
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.observer import Contribution, Observer
 from fricomp.diagnosis.joint.problem import Problem, build_problem
@@ -283,6 +283,18 @@ def test_something_smooth_or_swinging_that_is_heard_is_unknown(
     found = known_search(best=False, explainable=explainable, null=null)
     base = known_baseline(loudness=ratio, structured=structured)
     assert stands_out(found, base) == unknown
+
+
+@pytest.mark.parametrize(("noise", "unknown"), [(0.02, True), (0.01, False)])
+def test_what_is_left_must_matter_beside_the_friction(noise: float, unknown: bool) -> None:
+    """However far above the noise: a quiet sensor shows more than anybody would look for."""
+    base = known_baseline(loudness=2.0)
+    weights = replace(base.nulls.weights, spread=(np.full_like(base.nulls.weights.spread[0], noise),))
+    quiet = replace(base, nulls=replace(base.nulls, rows=(noise * base.nulls.rows[0],), weights=weights))
+    left, share = measure_left(quiet)
+    assert left == pytest.approx(np.sqrt(3.0) * noise)
+    assert share == pytest.approx(left / PLANT.level)
+    assert stands_out(known_search(best=False), quiet) == unknown
 
 
 def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -111,3 +111,10 @@ def test_a_direction_whose_stribeck_velocity_ran_away_gets_that_of_the_other() -
     assert after.reverse == pytest.approx((2.2, 3.2, 0.05, 1.1))
     assert after.forward == pytest.approx(alike.forward)
     assert ran[-1] == 7.0
+
+
+def test_a_direction_that_lost_its_static_friction_gets_that_of_the_other() -> None:
+    """Without an excess its Stribeck velocity says nothing, however near it is, and the other one is to go by."""
+    lost = align_falls(pack(replace(_PLANT, forward=(2.0, 3.0, 0.05, 1.0), reverse=(2.2, 2.2, 0.04, 1.1))))
+    assert lost is not None
+    assert unpack(lost).reverse == pytest.approx((2.2, 3.2, 0.05, 1.1))
