@@ -40,6 +40,14 @@ class InputSettings:
     """Noise deviations from the median of seven samples beyond which a sample is no measurement."""
     shortest_window: int = 7
     """Fewest samples of that window, for slow recordings."""
+    unrest_window: float = 0.05
+    """Window over which the jumps of a torque are looked at [s]; about a row."""
+    unrest_quantile: float = 0.75
+    """Quantile of these jumps: what a kick does not reach, and a torque in coarse steps does not hide."""
+    usual_unrest: float = 2.0
+    """Times the usual jumps up to which they are taken as usual: motion and chance make so much."""
+    fewest_windows: int = 20
+    """Fewest windows that show what is usual."""
     white_differences: float = 0.7
     """Variance by fifth over that by fourth differences below which these hold motion."""
     few_moving: float = 0.1

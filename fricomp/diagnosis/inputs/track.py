@@ -17,6 +17,7 @@ from .controller import Controller
 from .settings import INPUT
 from .signal import FloatArray, differentiate
 from .spikes import remove_spikes
+from .unrest import measure_unrest
 
 __all__ = [
     "SIMULATED_SPRING",
@@ -129,6 +130,11 @@ class Track:
     def waves(self) -> tuple[FloatArray, FloatArray]:
         """Cosine and sine of the position, which every simulation needs. Shapes (n,)."""
         return np.cos(self.position), np.sin(self.position)
+
+    @cached_property
+    def unrest(self) -> FloatArray:
+        """By how much more noise its torque has than usual, at least 1. Shape (n,)."""
+        return measure_unrest(self.torque, self.velocity, self.dt)
 
     @classmethod
     def build(

@@ -188,7 +188,8 @@ def _draw_null(
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
-    torque = torque + take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
+    drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
+    torque = torque + track.unrest * drawn
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     return replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
