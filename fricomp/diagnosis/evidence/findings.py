@@ -21,7 +21,7 @@ from .case import Case, compare_given, fit_given, share_between
 from .comparison import PLAIN, UNEXPLAINED, Comparison, Shift, Tolerances, compute_tolerances
 from .confirmation import Confirmation, confirm
 from .effect_evidence import EffectEvidence, measure_effects
-from .gates import find_vibration, measure_left, stands_out
+from .gates import find_vibration, matters, measure_left, stands_out
 from .in_place import prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
 from .refitted import RefittedJoint
@@ -138,7 +138,7 @@ def collect_findings(case: Case) -> Findings:
     baseline, found = case.baseline, case.found
     trial = put_to_trial(baseline, found, case.seed)
     chosen = trial.chosen
-    tone = find_vibration(baseline) if chosen is None else None
+    tone = find_vibration(baseline) if chosen is None and matters(baseline) else None
     unknown = chosen is None and (tone is not None or stands_out(found, baseline))
     refitted = RefittedJoint.refit(baseline, chosen)
     comparison = compare_given(case, refitted, _choose_tolerances(baseline, trial, unknown))

@@ -12,7 +12,7 @@ from ..search.tone import Tone, find_tone
 from .confirmation import Confirmation
 from .settings import GATES
 
-__all__ = ["covers", "find_vibration", "is_confirmed", "measure_left", "stands_out"]
+__all__ = ["covers", "find_vibration", "is_confirmed", "matters", "measure_left", "stands_out"]
 
 
 def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
@@ -46,9 +46,7 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:
-    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines, or it is faint."""
-    if not _matters(baseline):
-        return None
+    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
     tone = find_tone(baseline)
     return tone if tone.energy > GATES.tone * tone.energy_null and tone.share > GATES.alone else None
 
@@ -57,7 +55,7 @@ def stands_out(found: SearchResult, baseline: Baseline) -> bool:
     """Whether something is missing that matters and that no accepted effect covers: it is smooth, or swings as no
     noise does."""
     rows, ratio = baseline.fit.residual.size, baseline.noise_ratio
-    if not _matters(baseline):
+    if not matters(baseline):
         return False
     if baseline.structured and ratio > GATES.swinging:
         return True
@@ -80,6 +78,6 @@ def measure_left(baseline: Baseline) -> tuple[float, float]:
     return left, left / unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
 
 
-def _matters(baseline: Baseline) -> bool:
+def matters(baseline: Baseline) -> bool:
     """Whether what the base leaves is a part of the friction that a user would care about."""
     return measure_left(baseline)[1] > GATES.material

@@ -46,6 +46,8 @@ class InputSettings:
     """Quantile of these jumps: what a kick does not reach, and a torque in coarse steps does not hide."""
     usual_unrest: float = 2.0
     """Times the usual jumps up to which they are taken as usual: motion and chance make so much."""
+    moving_share: float = 0.02
+    """Part of the top speed above which a window moves."""
     fewest_windows: int = 20
     """Fewest windows that show what is usual."""
     white_differences: float = 0.7

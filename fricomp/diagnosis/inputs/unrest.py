@@ -30,7 +30,7 @@ def measure_unrest(torque: FloatArray, velocity: FloatArray, dt: float) -> Float
     jumps = np.abs(np.diff(torque, 3, prepend=np.full(3, torque[0])))[: count * size].reshape(count, size)
     sizes = np.quantile(jumps, INPUT.unrest_quantile, axis=1)
     speeds = np.abs(velocity[: count * size]).reshape(count, size).mean(axis=1)
-    usual = float(np.median(sizes[speeds >= np.median(speeds)]))
+    usual = float(np.median(sizes[speeds >= INPUT.moving_share * np.quantile(speeds, 0.98)]))
     if usual <= 0.0:
         return np.ones(torque.size)
     times = maximum_filter1d(sizes, 3) / (INPUT.usual_unrest * usual)
