@@ -1,4 +1,4 @@
-"""Where a loop chatters a torque is more restless than usual, and a kick, a motion or coarse steps make nothing of it."""
+"""Where a loop chatters a torque is more restless than usual; a kick, a motion or coarse steps are no unrest."""
 
 from __future__ import annotations
 
