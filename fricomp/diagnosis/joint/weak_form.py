@@ -33,20 +33,13 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
 
 
 class WeakRows(NamedTuple):
-    """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint.
-
-    `known` are inertia and gravity of a simulation.
-    """
+    """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint."""
 
     torque: FloatArray
     inertia: FloatArray
     gravity: FloatArray
     velocity: FloatArray
     direction: FloatArray
-    known: tuple[float, float, float] | None = None
-
-
-_PER_ROW = ("torque", "inertia", "gravity", "velocity", "direction")
 
 
 def estimate_plants(
@@ -70,22 +63,22 @@ def estimate_plants(
     """
     rest_speed = estimate_rest_speed(tracks, width) if rest_speed is None else rest_speed
     rows = [_build_rows(track, width, rest_speed) for track in tracks]
-    joined = WeakRows(*(np.concatenate([getattr(one, name) for one in rows]) for name in _PER_ROW))
+    joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
     if joined.torque.size < 20:
         raise DiagnosisError(
             f"the joint hardly ever slides faster than {rest_speed:g} rad/s (or m/s) for {width:g} s on end: "
             "record a faster motion"
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
-    joined = WeakRows(*(getattr(joined, name)[keep] for name in _PER_ROW))
-    joined = joined._replace(known=None if known is None else (known.inertia, *known.gravity))
+    joined = WeakRows(*(part[keep] for part in joined))
     top = float(np.quantile(np.abs(joined.velocity), 0.98))
     grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
-    start = min((_compute_cost(np.array([a, a]), joined), a) for a in grid)[1]
+    start = min((_compute_cost(np.array([a, a]), joined, known), a) for a in grid)[1]
     found = minimize(
-        _compute_cost, np.array([start, start]), args=(joined,), method="Nelder-Mead", options={"maxiter": 80}
+        _compute_cost, np.array([start, start]), args=(joined, known), method="Nelder-Mead", options={"maxiter": 80}
     )
-    usual, level = (_build_plant(found.x, joined, hold=hold) for hold in (False, True))
+    solution = _solve(found.x, joined, known)[0]
+    usual, level = (_build_plant(found.x, solution, joined, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
 
 
@@ -128,7 +121,7 @@ def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
     return np.stack(columns, axis=1)
 
 
-def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
+def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> tuple[FloatArray, float]:
     """Least squares with inertia and friction not negative, gravity and offset free, and a touch of ridge.
 
     Of solutions that fit alike it takes the one near the simulation, with hardly any offset, even directions and
@@ -142,7 +135,7 @@ def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
     ridge = 1e-4 * np.sqrt(rows.torque.size)
     R = np.asarray(np.linalg.qr(np.concatenate([split, rows.torque[:, None]], axis=1), mode="r"))
     size = norm / np.sqrt(rows.torque.size)
-    usual, wanted = _build_usual(size, free, rows.known)
+    usual, wanted = _build_usual(size, free, known)
     usual, wanted = (JOINT.usual_weight * np.sqrt(rows.torque.size) * one for one in (usual, wanted))
     system = np.concatenate([R[:, :-1] / size, ridge * np.eye(norm.size), usual])
     target = np.concatenate([R[:, -1], np.zeros(norm.size), wanted])
@@ -152,9 +145,7 @@ def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
     return x[: A.shape[1]], float(cost)
 
 
-def _build_usual(
-    size: FloatArray, free: int, known: tuple[float, float, float] | None
-) -> tuple[FloatArray, FloatArray]:
+def _build_usual(size: FloatArray, free: int, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
     """Rows and right sides of what is usual: no offset, no fall of friction with speed, directions that are alike, and
     inertia and gravity of the simulation.
 
@@ -169,19 +160,19 @@ def _build_usual(
     if known is not None:
         columns = (0, *range(2, 1 + free))
         pairs += [(0, 0, 1.0, 1.0), *((column, opposite + column, 1.0, -1.0) for column in columns[1:])]
-        wanted += [value * size[column] for value, column in zip(known, columns, strict=False)]
+        body = known.inertia, *known.gravity
+        wanted += [value * size[column] for value, column in zip(body, columns, strict=False)]
     rows = np.zeros((len(pairs), size.size))
     for row, (left, right, plus, minus) in zip(rows, pairs, strict=True):
         row[right], row[left] = minus, plus
     return rows, np.array(wanted)
 
 
-def _compute_cost(log_speeds: FloatArray, rows: WeakRows) -> float:
-    return _solve(log_speeds, rows)[1]
+def _compute_cost(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> float:
+    return _solve(log_speeds, rows, known)[1]
 
 
-def _build_plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
-    x, _ = _solve(log_speeds, rows)
+def _build_plant(log_speeds: FloatArray, x: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
     free = rows.gravity.shape[1]
     gravity = (float(x[2]), float(x[3])) if free == 3 else (0.0, 0.0)
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
