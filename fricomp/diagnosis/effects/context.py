@@ -10,7 +10,7 @@ import numpy as np
 from scipy.signal import savgol_filter
 
 from ..inputs.track import FloatArray, Track, differentiate
-from ..joint.observer import Observation, Plant
+from ..joint.observer import Observation, Observer, Plant
 from ..joint.problem import Problem
 from .settings import EFFECT
 
@@ -44,6 +44,7 @@ class Context:
         usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
         delays: Earliest and latest that a torque without any flaw comes [s].
         acts_late: Time by which the recorded torque was moved, since it acts so long after its stamp [s].
+        row_width: Width of the windows of the residual [s]; what is much faster does not show.
     """
 
     dt: float
@@ -68,6 +69,7 @@ class Context:
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
     delays: tuple[float, float] = (-5e-4, 5e-4)
     acts_late: float = 0.0
+    row_width: float = Observer().row_width
 
     @property
     def time(self) -> FloatArray:
@@ -92,7 +94,13 @@ def build_contexts(
     temperatures = [track.channels.get("temperature", np.zeros(1)) for track in problem.tracks]
     usual = float(np.mean([np.mean(one) for one in temperatures]))
     return [
-        replace(_build_context(track, plant, one, hints), index=i, source=track.source, usual_temperature=usual)
+        replace(
+            _build_context(track, plant, one, hints),
+            index=i,
+            source=track.source,
+            usual_temperature=usual,
+            row_width=problem.observer.row_width,
+        )
         for i, (track, one) in enumerate(zip(problem.tracks, observations, strict=True))
     ]
 

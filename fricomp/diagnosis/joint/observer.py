@@ -139,6 +139,11 @@ class Observer:
     step: float = 0.12
     width: float = JOINT.row_width
 
+    @property
+    def row_width(self) -> float:
+        """Width of a row's window: wide enough for its noise, and for the observer to have followed [s]."""
+        return max(self.width, JOINT.settled / self.bandwidth)
+
     def compute_return(self, track: Track, plant: Plant, observation: Observation) -> FloatArray:
         """Compute how fast the position of a resting model goes back to the recorded one, besides its velocity [rad/s].
 

@@ -166,7 +166,7 @@ def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> 
     inertia, omega = plant.inertia, observer.bandwidth
     slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
     gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))
-    width = max(observer.width, JOINT.settled / omega)
+    width = observer.row_width
     grids = [RowGrid.build(t, width, width / JOINT.row_width * JOINT.row_step, 0.5) for t in tracks]
     return Problem(tuple(tracks), tuple(grids), observer, gains).cut_samples_for(plant)
 

@@ -47,6 +47,16 @@ def test_gravity_turns_with_the_load_and_not_with_the_motor(context: Context) ->
     assert torque[-200] == pytest.approx(-5.0 * np.cos(0.3) * load / stiffness, rel=0.02)
 
 
+def test_a_spring_is_looked_for_where_rows_can_show_it(context: Context) -> None:
+    """A coarse encoder asks for wide rows, and a load that swings faster than these leaves noise alone in them."""
+    effect = EFFECTS["joint_elasticity"]
+    usual, wide = [context], [replace(context, row_width=3.0 * context.row_width)]
+    highest = [effect.list_parameters(one)[0].upper for one in (usual, wide)]
+    assert highest[0] - highest[1] == pytest.approx(2.0 * np.log(3.0))
+    stiffest = [max(start["stiffness"] for start in effect.scan(one)) for one in (usual, wide)]
+    assert stiffest[0] - stiffest[1] == pytest.approx(2.0 * np.log(3.0))
+
+
 def test_a_gap_changes_no_momentum_over_a_period(context: Context) -> None:
     gap, inertia = 2e-3, 0.3
     torque = compute_carried(context, Transmission(inertia, inertia * 600.0**2, 0.2, gap))

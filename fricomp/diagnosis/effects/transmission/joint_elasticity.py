@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...inputs.track import FloatArray
-from ...joint.observer import Contribution
+from ...joint.observer import Contribution, Observer
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
@@ -32,8 +32,9 @@ class JointElasticity(Effect):
     square of the load's share: MuJoCo's were given 1 to 3 % too much, others up to 21 % too little."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        # A joint that swings at 15 rad/s sways visibly; at 1500 rad/s its spring is as stiff as a shaft.
-        low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in (15.0, 1500.0))
+        # A joint that swings at 15 rad/s sways visibly; at 1500 rad/s its spring is as stiff as a shaft, in usual rows.
+        frequencies = 15.0, 1500.0 * _compare_rows(contexts)
+        low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in frequencies)
         return (
             EffectParameter(
                 "stiffness",
@@ -65,11 +66,11 @@ class JointElasticity(Effect):
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # Resonances that rows can show, 7 % apart: a fit goes to the nearest one.
-        return _propose_resonances(contexts, np.geomspace(40.0, 500.0, 40))
+        return _propose_resonances(contexts, np.geomspace(40.0, max(80.0, 500.0 * _compare_rows(contexts)), 40))
 
     def propose_far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # As far apart as a careful fit reaches, 30 %.
-        return _propose_resonances(contexts, np.geomspace(50.0, 300.0, 8))
+        return _propose_resonances(contexts, np.geomspace(50.0, max(80.0, 300.0 * _compare_rows(contexts)), 8))
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=compute_carried(context, _build_transmission(context, values)))
@@ -81,6 +82,11 @@ class JointElasticity(Effect):
 def _build_transmission(context: Context, values: Values) -> Transmission:
     stiffness, ratio = (float(np.exp(values[name])) for name in ("stiffness", "damping_ratio"))
     return Transmission(context.plant.inertia * values["load_share"], stiffness, ratio, hardening=values["hardening"])
+
+
+def _compare_rows(contexts: Sequence[Context]) -> float:
+    """How fast things show in these rows, in what shows in usual ones."""
+    return Observer().row_width / max(one.row_width for one in contexts)
 
 
 def _propose_resonances(contexts: Sequence[Context], frequencies: FloatArray) -> list[dict[str, float]]:
