@@ -34,7 +34,7 @@ def test_garbage_brings_nothing_foreign_and_no_torque_beyond_the_limit(protocol:
 
 @pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
 def test_a_joint_in_its_loop_is_stopped_by_faults_and_lies_alone(protocol: str) -> None:
-    result = soak_adapter(protocol, 8_000, seed=2)
+    result = soak_adapter(protocol, 8_000, seed=3)
     assert result.passed, result
     assert result.largest_torque > 0.0
     assert sum(result.n_stops.values()) > 0

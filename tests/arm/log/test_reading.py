@@ -166,7 +166,7 @@ def test_rows_without_numbers_cost_only_themselves(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
-        ({"a": TIME, "b": TIME}, "no column of time"),
+        ({"a": TIME, "b": TIME}, "names do not say what they hold: a, b"),
         ({"time": TIME, "x": TIME}, "does not say where a position and a torque"),
         ({"time": TIME, **number("q_", POSITION)}, "does not say where the torque"),
         ({"1.0": TIME, "2.0": TIME}, "no line of names"),
