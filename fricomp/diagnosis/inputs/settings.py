@@ -48,6 +48,9 @@ class InputSettings:
     """Times the usual jumps up to which they are taken as usual: motion and chance make so much."""
     moving_share: float = 0.02
     """Part of the top speed above which a window moves."""
+    mostly: float = 0.8
+    """Part of the motion in which a torque is no more restless than usual. What lasts longer is its noise, and what
+    nulls are matched to."""
     fewest_windows: int = 20
     """Fewest windows that show what is usual."""
     white_differences: float = 0.7

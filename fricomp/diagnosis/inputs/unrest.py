@@ -16,7 +16,8 @@ def measure_unrest(torque: FloatArray, velocity: FloatArray, dt: float) -> Float
 
     A loop that chatters at the steps of its encoder, or about to be unstable, changes its torque between the samples
     of a log. What acts then is known less well, and more of the residual is noise. Third differences hold next to
-    nothing of a motion, and a quantile of them nothing of a kick.
+    nothing of a motion, and a quantile of them nothing of a kick. A torque that is restless for much of its motion is
+    as usual: that is its noise.
 
     Args:
         torque: Shape (n,).
@@ -30,7 +31,8 @@ def measure_unrest(torque: FloatArray, velocity: FloatArray, dt: float) -> Float
     jumps = np.abs(np.diff(torque, 3, prepend=np.full(3, torque[0])))[: count * size].reshape(count, size)
     sizes = np.quantile(jumps, INPUT.unrest_quantile, axis=1)
     speeds = np.abs(velocity[: count * size]).reshape(count, size).mean(axis=1)
-    usual = float(np.median(sizes[speeds >= INPUT.moving_share * np.quantile(speeds, 0.98)]))
+    moving = sizes[speeds >= INPUT.moving_share * np.quantile(speeds, 0.98)]
+    usual = float(np.quantile(moving, INPUT.mostly))
     if usual <= 0.0:
         return np.ones(torque.size)
     times = maximum_filter1d(sizes, 3) / (INPUT.usual_unrest * usual)

@@ -188,7 +188,7 @@ class BaseModel:
                 sharpness=0.5,
             )
         )
-        friction_low = [0.0, 0.0, np.log(top_speed * 5e-4), 0.0]
+        friction_low = [0.0, 0.0, np.log(top_speed * JOINT.lowest_stribeck), 0.0]
         friction_high = [min(50 * level, max(largest, level)), 10 * level, np.log(top_speed), 50 * viscous]
         friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
         inertia = start[0]

@@ -53,6 +53,8 @@ class JointSettings:
     lost_fall: float = 0.1
     """Part of one direction's static friction below which the other's counts as lost, and the fit is repeated with
     both alike."""
+    lowest_stribeck: float = 5e-4
+    """Lowest Stribeck velocity, in the top speed of the motion: a lower one is dry friction for all that rows show."""
     held_scale: float = 1e-9
     """Scale of a parameter that is not fitted, in its own unit. It is only small enough to leave no trace."""
     largest_damping_time: float = 0.012

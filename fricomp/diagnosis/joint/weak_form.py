@@ -77,8 +77,9 @@ def estimate_plants(
     found = minimize(
         _compute_cost, np.array([start, start]), args=(joined, known), method="Nelder-Mead", options={"maxiter": 80}
     )
-    solution = _solve(found.x, joined, known)[0]
-    usual, level = (_build_plant(found.x, solution, joined, hold=hold) for hold in (False, True))
+    falls = np.clip(found.x, np.log(JOINT.lowest_stribeck * top), np.log(top))  # without static friction one runs away
+    solution = _solve(falls, joined, known)[0]
+    usual, level = (_build_plant(falls, solution, joined, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
 
 
@@ -132,6 +133,8 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
     free = rows.gravity.shape[1]
     split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
     norm = np.linalg.norm(split, axis=0) + 1e-12
+    forward, reverse = norm[1 + free : 4 + free], norm[4 + free : 7 + free]
+    forward[:] = reverse[:] = np.hypot(forward, reverse)  # one direction may hold no rows, and is as large all the same
     ridge = 1e-4 * np.sqrt(rows.torque.size)
     R = np.asarray(np.linalg.qr(np.concatenate([split, rows.torque[:, None]], axis=1), mode="r"))
     size = norm / np.sqrt(rows.torque.size)
@@ -153,9 +156,7 @@ def _build_usual(size: FloatArray, free: int, known: RigidJoint | None) -> tuple
     """
     opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
     pairs = [(1, opposite + 1, 1.0, -1.0), *((fall, fall, 1.0, 1.0) for fall in (forward + 1, forward + 4))]
-    for one in range(forward, forward + 3):
-        mean = float(np.hypot(size[one], size[one + 3])) / np.sqrt(2.0)
-        pairs.append((one, one + 3, mean / size[one], -mean / size[one + 3]))
+    pairs += [(one, one + 3, 1.0, -1.0) for one in range(forward, forward + 3)]
     wanted = [0.0] * len(pairs)
     if known is not None:
         columns = (0, *range(2, 1 + free))
