@@ -17,7 +17,7 @@ from ..inputs.track import FloatArray, differentiate
 from ..record.result import Quantity
 from .fine_ripple import FineRipple, measure_fall
 from .settings import LOOK, RIPPLE
-from .soft_presliding import find_soft_presliding, simulate_bristle
+from .soft_presliding import SoftPresliding, find_soft_presliding, simulate_bristle
 
 __all__ = ["is_beyond_the_base", "is_softer_than_the_base", "simulate_base"]
 
@@ -80,6 +80,16 @@ def is_beyond_the_base(recording: Recording, found: FineRipple, base: Mapping[st
     return all(1.0 - found.fall <= (1.0 - RIPPLE.least_fall) * (1.0 - fall) for fall in nulls)
 
 
-def is_softer_than_the_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> bool:
-    """Whether no soft bristle is found where only the base acts, whose own bristle is stiff."""
-    return not base or find_soft_presliding(simulate_base(recording, base, seed)) is None
+def is_softer_than_the_base(
+    recording: Recording, soft: SoftPresliding, base: Mapping[str, Quantity], seed: int
+) -> bool:
+    """Whether no bristle is found where only the base acts, or none that is nearly as soft as this one.
+
+    Args:
+        recording: The recording.
+        soft: The bristle found in it.
+        base: Parameters of the fitted base, as in `DiagnosisRecord.base`.
+        seed: Of the noise.
+    """
+    shown = find_soft_presliding(simulate_base(recording, base, seed)) if base else None
+    return shown is None or soft.distance > LOOK.softer * shown.distance

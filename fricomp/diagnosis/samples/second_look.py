@@ -84,7 +84,7 @@ def _find_bristles(findings: Findings) -> list[SoftPresliding]:
     found = []
     for recording in findings.case.recordings:
         soft = find_soft_presliding(recording)
-        if soft is None or not is_softer_than_the_base(recording, findings.base, findings.case.seed):
+        if soft is None or not is_softer_than_the_base(recording, soft, findings.base, findings.case.seed):
             return []
         found.append(soft)
     return found

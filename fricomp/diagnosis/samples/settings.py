@@ -28,6 +28,7 @@ class LookSettings:
         covered: Part of the held-out energy from which what the search named stands.
         no_motion_law: Held-out error of the base, over the standard deviation of the torque, from which a joint obeys
             no law of its own motion: half of it is then unknown.
+        softer: Travel of a bristle, in that of the one found where only the base acts, from which it is another one.
         bases: Recordings of the base alone that a ripple must exceed. Each is drawn with a noise of its own.
         alike: Ratio of held-out errors up to which a lag and a delay are not told apart.
         bootstraps: Draws for the interval of the reduction.
@@ -38,6 +39,7 @@ class LookSettings:
 
     covered: float = 0.7
     no_motion_law: float = 0.5
+    softer: float = 3.0
     bases: int = 3
     alike: float = 1.15
     bootstraps: int = 400

@@ -163,10 +163,18 @@ def test_a_ripple_no_finer_than_that_of_the_rows_stays_a_candidate() -> None:
 
 
 def test_a_bristle_that_the_base_has_itself_is_none() -> None:
-    assert _find_bristle(_braked()) is not None
-    assert _is_softer(_braked(), _BRAKE, 0)
+    found = _find_bristle(_braked())
+    assert found is not None
+    assert _is_softer(_braked(), found, _BRAKE, 0)
     soft = _base(1.0, (9000.0, 0.0, 0.02, 4000.0), 0.004)
-    assert not _is_softer(_braked(), soft, 0)
+    assert not _is_softer(_braked(), found, soft, 0)
+
+
+def test_a_bristle_that_is_much_softer_than_that_of_the_base_counts() -> None:
+    found, less_soft = _find_bristle(_braked()), _base(1.0, (9000.0, 0.0, 0.02, 4000.0), 0.1 * 0.004)
+    assert found is not None
+    assert find_soft_presliding(simulate_base(_braked(), less_soft, 0)) is not None
+    assert _is_softer(_braked(), found, less_soft, 0)
 
 
 def test_friction_that_waves_with_the_speed_is_no_ripple() -> None:
