@@ -47,7 +47,7 @@ class InputSettings:
     usual_unrest: float = 2.0
     """Times the usual jumps up to which they are taken as usual: motion and chance make so much."""
     moving_share: float = 0.02
-    """Part of the top speed above which a window moves."""
+    """Part of the top speed above which a sample, or a window on the mean, moves."""
     mostly: float = 0.8
     """Part of the motion in which a torque is no more restless than usual. What lasts longer is its noise, and what
     nulls are matched to."""

@@ -193,7 +193,7 @@ def find_calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> 
         max(INPUT.shortest_window, 2 * round(3.0 * INPUT.velocity_window / dt / 2) + 1), position.size // 2 * 2 - 1
     )
     jerk = np.abs(savgol_filter(position, samples, 4, deriv=3))
-    moving = np.abs(velocity) > 0.02 * np.quantile(np.abs(velocity), 0.98)
+    moving = np.abs(velocity) > INPUT.moving_share * np.quantile(np.abs(velocity), 0.98)
     if np.mean(moving) < INPUT.few_moving:
         moving = np.ones(position.size, dtype=bool)
     calm: NDArray[np.bool_] = moving & (jerk <= np.median(jerk[moving]))

@@ -24,7 +24,7 @@ from .settings import JOINT
 __all__ = ["estimate_plants", "estimate_rest_speed"]
 
 
-def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
+def estimate_rest_speed(tracks: Sequence[Track], width: float = JOINT.row_width) -> float:
     """Estimate the speed below which samples say nothing about sliding [rad/s] or [m/s]. It is a small part of what the
     joint reaches, but at least the speed that one encoder step in a window of `width` [s] looks like."""
     top = max(float(np.quantile(np.abs(track.velocity), 0.98)) for track in tracks)
@@ -45,7 +45,7 @@ class WeakRows(NamedTuple):
 def estimate_plants(
     tracks: Sequence[Track],
     *,
-    width: float = 0.042,
+    width: float = JOINT.row_width,
     rest_speed: float | None = None,
     known: RigidJoint | None = None,
 ) -> tuple[Plant, ...]:
@@ -155,17 +155,17 @@ def _build_usual(size: FloatArray, free: int, known: RigidJoint | None) -> tuple
     Shapes (k, p), (k,).
     """
     opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
-    pairs = [(1, opposite + 1, 1.0, -1.0), *((fall, fall, 1.0, 1.0) for fall in (forward + 1, forward + 4))]
-    pairs += [(one, one + 3, 1.0, -1.0) for one in range(forward, forward + 3)]
-    wanted = [0.0] * len(pairs)
+    usual = [{1: 1.0, opposite + 1: -1.0}, {forward + 1: 1.0}, {forward + 4: 1.0}]
+    usual += [{one: 1.0, one + 3: -1.0} for one in range(forward, forward + 3)]
+    wanted = [0.0] * len(usual)
     if known is not None:
         columns = (0, *range(2, 1 + free))
-        pairs += [(0, 0, 1.0, 1.0), *((column, opposite + column, 1.0, -1.0) for column in columns[1:])]
+        usual += [{0: 1.0}, *({column: 1.0, opposite + column: -1.0} for column in columns[1:])]
         body = known.inertia, *known.gravity
         wanted += [value * size[column] for value, column in zip(body, columns, strict=False)]
-    rows = np.zeros((len(pairs), size.size))
-    for row, (left, right, plus, minus) in zip(rows, pairs, strict=True):
-        row[right], row[left] = minus, plus
+    rows = np.zeros((len(usual), size.size))
+    for row, signs in zip(rows, usual, strict=True):
+        row[list(signs)] = list(signs.values())
     return rows, np.array(wanted)
 
 
