@@ -22,7 +22,7 @@ from .estimation.observation import Observations, observe
 from .estimation.optimum import Optimum, fit_likelihood, optimum_at
 from .estimation.pinn import StartKind, TrainedPinn, train_pinn
 from .estimation.robust import fit_robust
-from .estimation.start import project_start, starting_points
+from .estimation.start import project_start, scan_basins, starting_points
 from .inference.verdict import CLOSE_ENOUGH, covariance_of, judge
 from .options import DEFAULT_OPTIONS, IdentificationOptions
 from .provenance import compute_provenance
@@ -153,7 +153,8 @@ def _fit_forms(
 
     def fit(form: SeparableLaw) -> dict[str, Optimum]:
         solve = fit_robust if loss == "robust" else fit_likelihood
-        return {noise.kind: solve(form, points, noise) for noise in candidates}
+        scan = scan_basins(form, points, candidates[0], robust=loss == "robust")
+        return {noise.kind: solve(form, points, noise, scan) for noise in candidates}
 
     known = points.normal_load
     if reference_load is not None and not 0.0 < reference_load < np.inf:

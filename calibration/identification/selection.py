@@ -16,6 +16,7 @@ from .estimation.gathering import gather_points
 from .estimation.likelihood import Noise
 from .estimation.observation import Observations, observe
 from .estimation.optimum import fit_likelihood
+from .estimation.start import scan_basins
 
 __all__ = ["LawChoice", "choose_law"]
 
@@ -84,13 +85,15 @@ def _held_out(name: str, points: Observations, fold: np.ndarray[tuple[int], np.d
     for k in range(_FOLDS):
         inside, outside = points.select(np.flatnonzero(fold != k)), points.select(np.flatnonzero(fold == k))
         inside = gather_points(inside)
-        fits = [fit_likelihood(form, inside, Noise(kind).counting(inside)) for kind in ("relative", "absolute")]
+        relative, absolute = Noise("relative").counting(inside), Noise("absolute").counting(inside)
+        scan = scan_basins(form, inside, absolute, robust=False)
+        fits = [fit_likelihood(form, inside, noise, scan) for noise in (relative, absolute)]
         fit = min(fits, key=lambda f: f.negative_log_likelihood)
         magnitude, _ = form.evaluate(fit.logs, outside)
-        relative = fit.noise.kind == "relative"
-        error = inside.root_count * (inside.magnitude - fit.magnitude) / (fit.magnitude if relative else 1.0)
+        scaled = fit.noise.kind == "relative"
+        error = inside.root_count * (inside.magnitude - fit.magnitude) / (fit.magnitude if scaled else 1.0)
         level = float(np.sqrt(np.sum(error**2) / max(inside.total - len(fit.logs), 1)))
-        deviation = np.maximum(level * (magnitude if relative else np.ones(outside.size)), 1e-9 * points.torque_scale)
+        deviation = np.maximum(level * (magnitude if scaled else np.ones(outside.size)), 1e-9 * points.torque_scale)
         z = (outside.magnitude - magnitude) / deviation
         score[fold == k] = np.log(deviation) + 0.5 * z**2 + 0.5 * np.log(2.0 * np.pi)
     return score

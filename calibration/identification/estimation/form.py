@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -60,15 +61,23 @@ class _Stribeck(Basis):
 
     def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
         velocity, exponent = _bend_of(shapes)
-        g = np.exp(-((speed / velocity) ** exponent))
-        return np.stack([1.0 - g, g, speed], axis=1)
+        columns = np.empty((len(speed), 3))
+        columns[:, 1] = np.exp(-((speed / velocity) ** exponent))
+        columns[:, 0] = 1.0 - columns[:, 1]
+        columns[:, 2] = speed
+        return columns
 
     def slopes(self, speed: FloatArray, shapes: Shapes) -> list[FloatArray]:
         velocity, exponent = _bend_of(shapes)
         x = (speed / velocity) ** exponent
         fall = x * np.exp(-x)
-        by_shape = (exponent * fall, -np.log(np.maximum(x, _TINY)) * fall)
-        return [np.stack([-dg, dg, np.zeros_like(speed)], axis=1) for dg in by_shape[: len(shapes)]]
+        by_velocity = np.zeros((len(speed), 3))
+        by_velocity[:, 1] = exponent * fall
+        by_velocity[:, 0] = -by_velocity[:, 1]
+        if len(shapes) == 1:
+            return [by_velocity]
+        by_exponent = -np.log(np.maximum(x, _TINY)) * fall
+        return [by_velocity, np.stack([-by_exponent, by_exponent, np.zeros_like(speed)], axis=1)]
 
 
 class _FreeStribeck(_Stribeck):
@@ -138,15 +147,15 @@ class SeparableLaw:
     reference_load: float = 1.0
     sensitivity_name: str | None = None
 
-    @property
+    @cached_property
     def branch_size(self) -> int:
         """Parameters of one branch."""
         return len(self.basis.dry) + len(self.basis.shape_index)
 
-    @property
-    def linear_index(self) -> tuple[int, ...]:
+    @cached_property
+    def linear_index(self) -> list[int]:
         """Positions of the linear parameters within a branch."""
-        return tuple(i for i in range(self.branch_size) if i not in self.basis.shape_index)
+        return [i for i in range(self.branch_size) if i not in self.basis.shape_index]
 
     def shapes_of(self, branch: FloatArray) -> Shapes:
         """The shapes among the parameters of one branch."""
@@ -175,14 +184,15 @@ class SeparableLaw:
             at = slice(k * self.branch_size, (k + 1) * self.branch_size)
             branch = values[at]
             shapes = self.shapes_of(branch)
-            linear = branch[list(self.linear_index)]
-            plain = self.basis.columns(observations.speed[rows], shapes)
-            factor = self.load_factor(observations.select(np.flatnonzero(rows)), sensitivity)
+            linear = branch[self.linear_index]
+            speed, load = observations.speed[rows], observations.normal_load
+            plain = self.basis.columns(speed, shapes)
+            factor = self.load_factor(None if load is None else load[rows], sensitivity)
             columns = plain * factor
             magnitude[rows] = columns @ linear
             block = np.empty((len(plain), self.branch_size))
-            block[:, list(self.linear_index)] = columns * linear
-            slopes = self.basis.slopes(observations.speed[rows], shapes)
+            block[:, self.linear_index] = columns * linear
+            slopes = self.basis.slopes(speed, shapes)
             for i, slope in zip(self.basis.shape_index, slopes, strict=True):
                 block[:, i] = (slope * factor) @ linear
             jacobian[rows, at] = block
@@ -190,11 +200,11 @@ class SeparableLaw:
                 jacobian[rows, -1] = (plain * (factor - 1.0)) @ linear
         return magnitude, jacobian
 
-    def load_factor(self, observations: Observations, sensitivity: float) -> FloatArray:
-        """Factor of each column under the normal load. Shape (n_points, n_linear)."""
-        if observations.normal_load is None:
-            return np.ones((observations.size, len(self.basis.dry)))
-        scale = 1.0 + sensitivity * (observations.normal_load / self.reference_load - 1.0)
+    def load_factor(self, normal_load: FloatArray | None, sensitivity: float) -> FloatArray:
+        """Factor of each column under the normal load. Shape (n_points, n_linear), or (1, 1) where there is none."""
+        if normal_load is None:
+            return _NO_LOAD
+        scale = 1.0 + sensitivity * (normal_load / self.reference_load - 1.0)
         return np.where(np.asarray(self.basis.dry), scale[:, None], 1.0)
 
     def upper_logs(self, observations: Observations) -> FloatArray:
@@ -213,6 +223,7 @@ class SeparableLaw:
         return self.template.replace(dict(values))
 
 
+_NO_LOAD = np.ones((1, 1))
 LARGEST_DRY = 10.0
 """Coulomb and static torque are at most this multiple of the largest torque measured [1]."""
 _DRY = ("coulomb_torque", "static_torque")

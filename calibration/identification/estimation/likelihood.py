@@ -66,6 +66,8 @@ class Noise:
 
     def _average(self, values: FloatArray) -> FloatArray:
         """Mean over the measured points."""
+        if self.count is None:
+            return np.asarray(values.mean(axis=0))
         return np.asarray(np.average(values, axis=0, weights=self.count))
 
     def _count(self, rows: FloatArray) -> float:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import leastsq
 
 from fricomp.laws import FloatArray
 
 from .form import SeparableLaw
 from .likelihood import Noise, Whitened
 from .observation import Observations
-from .start import starting_points
+from .start import Scan, starting_points
 
 __all__ = ["Optimum", "bounded", "fit_likelihood", "optimum_at", "refine"]
 
@@ -71,13 +71,13 @@ def optimum_at(logs: FloatArray, law: SeparableLaw, observations: Observations, 
     return Optimum(logs, noise, whitened, magnitude, jacobian, nll)
 
 
-def fit_likelihood(law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:
-    """Maximise the likelihood from every basin of the projection.
+def fit_likelihood(law: SeparableLaw, observations: Observations, noise: Noise, scan: Scan | None = None) -> Optimum:
+    """Maximise the likelihood from every basin of the projection, whose `scan` is not done again where it is known.
 
     Raises:
         IdentificationError: Too few points for the law.
     """
-    starts = starting_points(law, observations, noise, robust=False)
+    starts = starting_points(law, observations, noise, robust=False, scan=scan)
     fits = sorted((refine(s, law, observations, noise) for s in starts), key=lambda fit: fit.negative_log_likelihood)
     return replace(fits[0], other_basins=tuple(fit.negative_log_likelihood for fit in fits[1:]))
 
@@ -87,18 +87,9 @@ def refine(
 ) -> Optimum:
     """The local optimum that Levenberg-Marquardt reaches from `start`."""
     evaluate = _Memo(law, observations, noise)
-    fit = least_squares(
-        evaluate.residual,
-        start,
-        evaluate.jacobian,
-        method="lm",
-        x_scale="jac",
-        xtol=1e-10,
-        ftol=1e-13,
-        gtol=1e-14,
-        max_nfev=evaluations,
-    )
-    return optimum_at(bounded(fit.x, evaluate.upper), law, observations, noise)
+    limits = {"xtol": 1e-10, "ftol": 1e-13, "gtol": 1e-14, "maxfev": evaluations}
+    end, *_ = leastsq(evaluate.residual, start, Dfun=evaluate.jacobian, full_output=True, **limits)
+    return optimum_at(bounded(end, evaluate.upper), law, observations, noise)
 
 
 class _Memo:

@@ -18,7 +18,7 @@ from .form import SeparableLaw
 from .likelihood import Noise, Whitened
 from .observation import Observations
 from .optimum import Optimum, optimum_at, refine
-from .start import project, starting_points, with_sensitivity
+from .start import Scan, project_on_columns, starting_points, with_sensitivity
 
 __all__ = ["fit_robust"]
 
@@ -48,19 +48,20 @@ class _Candidate(NamedTuple):
     curve: FloatArray
 
 
-def fit_robust(law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:
+def fit_robust(law: SeparableLaw, observations: Observations, noise: Noise, scan: Scan | None = None) -> Optimum:
     """Maximise the likelihood of contaminated noise.
 
     A few outliers at the lowest speeds can carry the static torque with them and look consistent. So starts also
     come from random halves of the points, of which some leave those outliers out.
 
     The result carries `given` noise: each point's deviation by its probability of being an outlier, so that
-    everything that builds on it (network, covariance) gives a point the weight the fit gave it.
+    everything that builds on it (network, covariance) gives a point the weight the fit gave it. A `scan` of the same
+    points, for all noise of an unknown level, is not done again.
 
     Raises:
         IdentificationError: Too few points for the law.
     """
-    first = starting_points(law, observations, noise, robust=True)[0]
+    first = starting_points(law, observations, noise, robust=True, scan=scan)[0]
     whitened = _whiten(first, law, observations, noise)
     deviation = _bulk(whitened.residual, observations.torque_scale).deviation / whitened.weight
     starts = [first, *_subset_starts(law, observations, first, deviation)]
@@ -174,14 +175,14 @@ def _branch_starts(
     at = law.shapes_of(np.exp(first))
     factors = np.geomspace(1.0 / _SHAPE_FACTOR, _SHAPE_FACTOR, _SHAPES).tolist()
     shapes = [(factor * at[0], *at[1:]) for factor in factors] if at else [()]
-    found = []
+    factor, found = law.load_factor(points.normal_load, 1.0), []
+    columns = [law.basis.columns(points.speed, one) * factor for one in shapes]
     for _ in range(_SUBSETS):
         half = np.sort(rng.choice(points.size, max(points.size // 2, law.branch_size), replace=False))
-        some = points.select(half)
-        for one in shapes:
-            logs = project(law, some, weight[half], one, robust=False).logs
-            columns = law.basis.columns(points.speed, one) * law.load_factor(points, 1.0)
-            curve = columns @ np.exp(logs[list(law.linear_index)]) * weight
+        for one, all_rows in zip(shapes, columns, strict=True):
+            rows = all_rows[half]
+            logs = project_on_columns(law, rows, points.magnitude[half], weight[half], one, robust=False).logs
+            curve = all_rows @ np.exp(logs[law.linear_index]) * weight
             inside = np.maximum(1.0 - ((points.magnitude * weight - curve) / _REACH) ** 2, 0.0)
             found.append(_Candidate(float(np.sum(1.0 - inside**3)), logs, curve))
     return _distinct(sorted(found, key=lambda candidate: candidate.cost))

@@ -19,7 +19,15 @@ from .form import SeparableLaw, Shapes
 from .likelihood import Noise
 from .observation import Observations
 
-__all__ = ["project", "project_start", "starting_points", "with_sensitivity"]
+__all__ = [
+    "Scan",
+    "project",
+    "project_on_columns",
+    "project_start",
+    "scan_basins",
+    "starting_points",
+    "with_sensitivity",
+]
 
 _GRID = 48
 _BASINS = 2
@@ -35,25 +43,46 @@ class _Candidate(NamedTuple):
     logs: FloatArray
 
 
-def starting_points(law: SeparableLaw, observations: Observations, noise: Noise, *, robust: bool) -> list[FloatArray]:
+Scan = list[list[_Candidate]]
+"""Basins of each branch, best first."""
+
+
+def starting_points(
+    law: SeparableLaw, observations: Observations, noise: Noise, *, robust: bool, scan: Scan | None = None
+) -> list[FloatArray]:
     """Logarithms of the parameters in each basin that the projection sees, the most promising first.
+
+    Args:
+        law: The law.
+        observations: The points.
+        noise: Their noise.
+        robust: Whether in least absolute values.
+        scan: What `scan_basins` finds with all this, where it is known; it is the same for each noise of unknown level.
 
     Raises:
         IdentificationError: A direction has fewer points than parameters.
     """
-    weight = _plain_weight(observations, noise)
-    for _ in range(2 if noise.kind == "relative" else 1):
-        branches = [
-            _scan(law, observations.select(np.flatnonzero(rows)), weight[rows], robust=robust, branch=k)
-            for k, rows in enumerate(law.branches(observations))
-        ]
-        best = np.concatenate([candidates[0].logs for candidates in branches])
-        if noise.kind == "relative":
-            magnitude, _ = law.evaluate(with_sensitivity(law, best), observations)
-            weight = observations.root_count / np.maximum(magnitude, 1e-3 * observations.torque_scale)
-    combinations = sorted(itertools.product(*branches), key=lambda c: sum(candidate.cost for candidate in c))
+    scan = scan or scan_basins(law, observations, noise, robust=robust)
+    if noise.kind == "relative":
+        best = np.concatenate([candidates[0].logs for candidates in scan])
+        magnitude, _ = law.evaluate(with_sensitivity(law, best), observations)
+        weight = observations.root_count / np.maximum(magnitude, 1e-3 * observations.torque_scale)
+        scan = _scan_branches(law, observations, weight, robust=robust)
+    combinations = sorted(itertools.product(*scan), key=lambda c: sum(candidate.cost for candidate in c))
     logs = [np.concatenate([candidate.logs for candidate in c]) for c in combinations[:_STARTS]]
     return [with_sensitivity(law, one) for one in logs]
+
+
+def scan_basins(law: SeparableLaw, observations: Observations, noise: Noise, *, robust: bool) -> Scan:
+    """What the projection sees with weights that do not follow the torque."""
+    return _scan_branches(law, observations, _plain_weight(observations, noise), robust=robust)
+
+
+def _scan_branches(law: SeparableLaw, observations: Observations, weight: FloatArray, *, robust: bool) -> Scan:
+    return [
+        _scan(law, observations.select(np.flatnonzero(rows)), weight[rows], robust=robust, branch=k)
+        for k, rows in enumerate(law.branches(observations))
+    ]
 
 
 def project_start(law: SeparableLaw, observations: Observations, noise: Noise, logs: FloatArray) -> FloatArray:
@@ -111,15 +140,22 @@ def _cost_of(candidate: _Candidate) -> float:
 
 def project(law: SeparableLaw, points: Observations, weight: FloatArray, shapes: Shapes, *, robust: bool) -> _Candidate:
     """Best positive linear parameters at fixed shapes, in least squares or least absolute values."""
-    columns = law.basis.columns(points.speed, shapes) * law.load_factor(points, 1.0) * weight[:, None]
-    target = points.magnitude * weight
+    columns = law.basis.columns(points.speed, shapes) * law.load_factor(points.normal_load, 1.0)
+    return project_on_columns(law, columns, points.magnitude, weight, shapes, robust=robust)
+
+
+def project_on_columns(
+    law: SeparableLaw, columns: FloatArray, magnitude: FloatArray, weight: FloatArray, shapes: Shapes, *, robust: bool
+) -> _Candidate:
+    """The same with the columns of the law at these shapes. Shape (n_points, n_linear)."""
+    columns, target = columns * weight[:, None], magnitude * weight
     scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
     linear, cost = nnls(columns / scale, target)
     if robust:
         linear, cost = _least_absolute(columns / scale, target, linear)
     floor = _SMALLEST * np.linalg.norm(target) + 1e-12
     values = np.empty(law.branch_size)
-    values[list(law.linear_index)] = np.maximum(linear, floor) / scale
+    values[law.linear_index] = np.maximum(linear, floor) / scale
     values[list(law.basis.shape_index)] = shapes
     return _Candidate(float(cost), np.log(values))
 

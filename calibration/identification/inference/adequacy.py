@@ -120,7 +120,7 @@ def _bend_costs(
 ) -> list[float]:
     """Sum of squares of a branch without a bend, with one below the slowest speed, and with one above the fastest."""
     some, weight = points.select(np.flatnonzero(rows)), found.whitened.weight[rows]
-    factor = form.load_factor(some, float(np.exp(found.logs[-1])) if form.sensitivity_name else 1.0)
+    factor = form.load_factor(some.normal_load, float(np.exp(found.logs[-1])) if form.sensitivity_name else 1.0)
     low, high = float(some.speed.min()), float(some.speed.max())
     costs = []
     for velocity in (_NONE * low, _SLOWER * low, _FASTER * high):
