@@ -1,11 +1,12 @@
 """What holds for every test: property tests draw the same examples, and store none; one thread of linear algebra a
-process; one browser; white charts."""
+process; one browser; white charts where their looks are not the matter; files without slow tests are not loaded for
+the slow part."""
 
 import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +26,12 @@ _QUIET = (
     "--disable-component-update", "--disable-sync", "--proxy-server=127.0.0.1:9",  # nothing answers there
 )  # fmt: skip
 _OWN_ACCORD = "not an origin"  # who asks, in the network log, for what no page has asked for
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """A file that does not speak of slow tests has none."""
+    is_tests = config.getoption("markexpr") == "slow" and collection_path.name.startswith("test_")
+    return True if is_tests and "slow" not in collection_path.read_text(encoding="utf-8") else None
 
 
 class OpenedPage(NamedTuple):
@@ -59,16 +66,31 @@ def open_page(tmp_path: Path) -> Callable[[Path], OpenedPage]:
     return opened
 
 
-@pytest.fixture
-def white_charts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Charts as white images, for tests that are about what is written and not what it looks like: much time less."""
-    from matplotlib.figure import Figure
+@pytest.fixture(scope="session", autouse=True)
+def white_charts() -> Iterator[Callable[[Any], Any]]:
+    """Charts are put together and left white: a fifth of what a command takes goes into pictures. Gives what draws."""
+    from fricomp.report import png
+
+    draw = png._render
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(png, "_render", _leave_white)
+        yield draw
+
+
+@pytest.fixture(scope="module")
+def drawn_charts(white_charts: Callable[[Any], Any]) -> Iterator[None]:
+    """From here to the end of the module charts are drawn."""
+    from fricomp.report import png
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(png, "_render", white_charts)
+        yield
+
+
+def _leave_white(figure: Any) -> Any:
     from PIL import Image
 
-    def save(figure: Figure, stream: Any, **_: Any) -> None:
-        Image.new("RGB", (1, 1), "white").save(stream, format="PNG")
-
-    monkeypatch.setattr(Figure, "savefig", save)
+    return Image.new("RGB", (1, 1), "white")
 
 
 def _fetched(log: dict[str, Any]) -> tuple[str, ...]:

@@ -77,6 +77,7 @@ def test_colours_of_our_own_still_reach_a_terminal(monkeypatch: pytest.MonkeyPat
     assert plain("tab\tand line\n") == "tab\tand line\n"
 
 
+@pytest.mark.usefixtures("drawn_charts")
 def test_a_page_and_a_picture_show_a_name_as_it_is(tmp_path: Path) -> None:
     line = Line(np.arange(3.0), np.arange(3.0), HOSTILE)
     chart = Chart("curve", HOSTILE, (Panel((line,), HOSTILE, HOSTILE, HOSTILE),), caption=HOSTILE)

@@ -19,6 +19,7 @@ from fricomp.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from PIL.Image import Image
 
 __all__ = ["draw_figure", "draw_png"]
 
@@ -120,14 +121,20 @@ def _shown_figure() -> type[Figure]:
 
 def _save(figure: Any, target: Path) -> None:
     """With a palette of its own: a third of the bytes of full colour, which lines and text do not need."""
-    from PIL import Image
+    picture = _render(figure)
+    with whole_file(target) as part:
+        picture.quantize(256).save(part, format="PNG")
 
-    full = BytesIO()
+
+def _render(figure: Any) -> Image:
+    """The figure in full colour, laid out and drawn once, which `savefig` does twice."""
+    from PIL.Image import fromarray
+
+    figure.dpi = _DOTS_PER_INCH
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a name in letters that the font has not
-        figure.savefig(full, dpi=_DOTS_PER_INCH, format="png")
-    with whole_file(target) as part:
-        Image.open(full).convert("RGB").quantize(256).save(part, format="PNG", optimize=True)
+        figure.canvas.draw()
+    return fromarray(np.array(figure.canvas.buffer_rgba())[:, :, :3])
 
 
 def _row_lines(chart: Chart) -> list[int]:

@@ -46,7 +46,6 @@ def test_a_mapping_a_frame_and_a_file_give_the_same(tmp_path: Path, torque: Floa
         assert again.parameters == pytest.approx(found.parameters, rel=1e-9)
 
 
-@pytest.mark.usefixtures("white_charts")
 def test_it_is_written_as_the_command_writes_it(tmp_path: Path, found: Identification) -> None:
     written = found.save(tmp_path / "out")
     assert {path.name for path in written} == {"friction.json", "friction.onnx", "report.html"}

@@ -23,8 +23,8 @@ from .moving_arm import MASSES, record_arm, write_arm
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What `fricomp diagnose` writes of an arm whose hand is heavier than in the simulation."""
+def folder(tmp_path_factory: pytest.TempPathFactory, drawn_charts: None) -> Path:
+    """What `fricomp diagnose` writes, and draws, of an arm whose hand is heavier than in the simulation."""
     root = tmp_path_factory.mktemp("arm")
     truth = write_arm(root, (MASSES[0], MASSES[1], MASSES[2] + 1.0))
     (root / "log").mkdir()
@@ -37,7 +37,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root / "out"
 
 
-@pytest.mark.usefixtures("white_charts")
 def test_one_table_of_all_joints_is_enough(tmp_path: Path) -> None:
     """Columns of lists, joints called by number: refused with the mapping to write, examined with it."""
     pyarrow = pytest.importorskip("pyarrow")

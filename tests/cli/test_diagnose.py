@@ -72,7 +72,6 @@ def _changed(name: str) -> dict[str, np.ndarray]:
     return columns
 
 
-@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize(
     ("case", "metadata", "says"),
     [
@@ -101,7 +100,6 @@ def test_bad_input_is_bad_data_and_never_a_name(
     assert not (out / "friction.json").exists()
 
 
-@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize(
     ("case", "says"),
     [
@@ -316,7 +314,6 @@ def test_folders_and_patterns_are_the_recordings_in_them(tmp_path: Path) -> None
         find_recordings([str(tmp_path / "*.mcap")])
 
 
-@pytest.mark.usefixtures("white_charts")
 def test_each_recording_of_a_folder_gets_its_own_report(tmp_path: Path) -> None:
     source, out = tmp_path / "fleet", tmp_path / "out"
     source.mkdir()

@@ -82,7 +82,6 @@ def test_the_readme_shows_a_twin_a_check_and_a_calibration() -> None:
 BY_PROTOCOL = [pytest.param(name, marks=[] if name == "canopen" else pytest.mark.slow) for name in PROTOCOLS]
 
 
-@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", BY_PROTOCOL)
 def test_the_lines_of_the_readme_run_in_order(protocol: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -103,7 +102,6 @@ def test_the_lines_of_the_readme_run_in_order(protocol: str, tmp_path: Path, mon
     assert Path("runs/twin/friction.json").stat().st_size
 
 
-@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", BY_PROTOCOL)
 def test_the_line_for_one_process_runs(protocol: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -82,7 +82,6 @@ def calibrate_and_go_on(file: Path, out: Path, clock: PulledClock, complaint: st
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_calibration_goes_on_after_its_port_was_replugged(
     protocol: str, tmp_path: Path, endpoints: Path, monkeypatch: pytest.MonkeyPatch
@@ -129,7 +128,6 @@ ERRORS = {
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("white_charts")
 @pytest.mark.parametrize("protocol", sorted(CAN_PROTOCOLS))
 @pytest.mark.parametrize("name", ERRORS)
 def test_a_calibration_goes_on_after_its_bus_was_reset(

@@ -23,6 +23,8 @@ from fricomp.report import Bars, Chart, Check, HeatMap, Line, Panel, ReportPage,
 from fricomp.report.interactive import draw_interactive, plotly_script
 from fricomp.report.page import describe_chart
 
+pytestmark = pytest.mark.usefixtures("drawn_charts")
+
 
 @pytest.fixture(scope="module")
 def page(every_mark: Chart) -> ReportPage:

@@ -15,6 +15,7 @@ from fricomp.cli.main import app
 COMMAND = ["calibrate", "--backend", "sim", "--model", "two_link_arm", "--excite", "--duration", "12", "--out"]
 
 
+@pytest.mark.usefixtures("drawn_charts")
 def test_a_dry_run_draws_the_motion_and_moves_nothing(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [*COMMAND, str(tmp_path / "out"), "--dry-run"])
     assert done.exit_code == 0, done.exception

@@ -129,8 +129,8 @@ def diagnosis() -> Diagnosis:
 
 
 @pytest.fixture(scope="module")
-def written(diagnosis: Diagnosis, tmp_path_factory: pytest.TempPathFactory) -> WrittenDiagnosis:
-    """The folder of that diagnosis, with the friction in the simulation it was compared with."""
+def written(diagnosis: Diagnosis, tmp_path_factory: pytest.TempPathFactory, drawn_charts: None) -> WrittenDiagnosis:
+    """The folder of that diagnosis, pictures drawn, with the friction in the simulation it was compared with."""
     place = tmp_path_factory.mktemp("diagnosis")
     (place / "joint.xml").write_text(_JOINT)
     return write_diagnosis(diagnosis, place / "out", simulation=place / "joint.xml", joint="elbow")

@@ -57,6 +57,7 @@ def test_a_recording_obeys_its_own_equation() -> None:
     assert np.std((left - expected)[sliding]) < 0.02
 
 
+@pytest.mark.usefixtures("drawn_charts")
 def test_the_page_holds_every_timing_and_a_picture(tmp_path: Path) -> None:
     timings = [_time("diagnosis: duration [s]", size, size) for size in (30.0, 60.0)]
     figures = SpeedFigures(

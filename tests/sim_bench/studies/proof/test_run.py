@@ -197,6 +197,7 @@ def test_an_installation_that_makes_no_case_ends_the_run(tmp_path: Path, monkeyp
     assert not read_refused(tmp_path)
 
 
+@pytest.mark.usefixtures("drawn_charts")
 def test_page_and_list_of_failures_are_written(tmp_path: Path) -> None:
     scores = run_proof(_PLANNED, tmp_path / "run", (SerialExecutor(), 1), salt="s", diagnose=always_cogging)
     page = tmp_path / "docs" / "proof.md"
