@@ -16,9 +16,11 @@ from fricomp.diagnosis.evidence.alias import list_aliases
 from fricomp.diagnosis.evidence.confirmation import Confirmation, _predict_held_out, _split_folds, compute_covariance
 from fricomp.diagnosis.evidence.gates import covers, is_confirmed, measure_left, stands_out
 from fricomp.diagnosis.inputs.track import FloatArray
+from fricomp.diagnosis.joint.base import BASE_NAMES
 from fricomp.diagnosis.joint.observer import Contribution, Observer
 from fricomp.diagnosis.joint.problem import Problem, build_problem
 from fricomp.diagnosis.joint.solver import Box, Fit
+from fricomp.diagnosis.record.sentence import describe_trace
 from fricomp.diagnosis.search.explanation import _compute_left, compute_evidence
 from fricomp.diagnosis.search.preparation import (
     Baseline,
@@ -295,6 +297,17 @@ def test_what_is_left_must_matter_beside_the_friction(noise: float, unknown: boo
     assert left == pytest.approx(np.sqrt(3.0) * noise)
     assert share == pytest.approx(left / PLANT.level)
     assert stands_out(known_search(best=False), quiet) == unknown
+
+
+def test_beside_no_friction_at_all_everything_that_is_left_matters() -> None:
+    base = known_baseline(loudness=2.0)
+    theta = base.fit.theta.copy()
+    theta[[BASE_NAMES.index("forward.coulomb_torque"), BASE_NAMES.index("reverse.coulomb_torque")]] = 0.0
+    free = replace(base, fit=replace(base.fit, theta=theta))
+    left, share = measure_left(free)
+    assert left > 0.0
+    assert share == np.inf
+    assert "Coulomb" not in describe_trace(left, share, "N·m")
 
 
 def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:

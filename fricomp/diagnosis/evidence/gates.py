@@ -72,10 +72,12 @@ def stands_out(found: SearchResult, baseline: Baseline) -> bool:
 
 
 def measure_left(baseline: Baseline) -> tuple[float, float]:
-    """Measure what the base leaves beyond the noise in a typical row: in [N·m] or [N], and in the Coulomb torque."""
+    """Measure what the base leaves beyond the noise in a typical row: in [N·m] or [N], and in the Coulomb torque; all
+    of it where the joint shows none."""
     spread = np.concatenate(baseline.nulls.weights.spread)
     left = float(np.sqrt(max(baseline.noise_ratio**2 - 1.0, 0.0)) * np.median(spread))
-    return left, left / unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+    level = unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+    return left, left / level if level > 0.0 else np.inf
 
 
 def matters(baseline: Baseline) -> bool:

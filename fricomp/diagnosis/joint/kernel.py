@@ -76,7 +76,8 @@ _MOBILITY, _SOFTNESS, _NARROW, _KEEP, _PER_SPEED, _PER_SPEED_REVERSE = 18, 19, 2
 _X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 24, 25, 26, 27, 28, 29, 30, 31
 _Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 32, 33, 34, 35, 36, 37, 38, 39
 _RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP = 40, 41, 42, 43, 44, 45, 46
-_Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _CHANGE, _AHEAD, _N_STATE = 47, 48, 49, 50, 51, 52, 53
+_Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _CHANGE, _AHEAD, _GIVE, _GIVE_REVERSE = 47, 48, 49, 50, 51, 52, 53, 54
+_N_STATE = 55
 
 
 def compile_kernel(function: _F) -> _F:
@@ -133,6 +134,10 @@ def _shorten(state: np.ndarray, h: float, before: float) -> float:
     Friction acts at the middle of a substep, and what is felt is known where it begins: for that half of it the
     velocity is extrapolated. Left out, viscous friction comes half a substep late, which looks like a larger inertia.
     A low pass that takes the velocity for held since the last substep is ahead already, the more the longer its lag.
+
+    Where viscous friction stops the joint within a substep, that half must be the substep's own, not the last one's:
+    the joint gives way by a part of what it would, and keeps the rest of its last change (the trapezoidal rule, stable
+    for any friction).
     """
     for j in range(state.shape[1]):
         lag = state[_LAG, j]
@@ -140,6 +145,9 @@ def _shorten(state: np.ndarray, h: float, before: float) -> float:
         if lag > 0.0:
             state[_KEEP, j] = np.exp(-h / lag)
             state[_AHEAD, j] = 0.5 + 1.0 / np.expm1(h / lag) - lag / h
+        half = 0.5 * h * state[_MOBILITY, j] * (1.0 - state[_KEEP, j])
+        state[_GIVE, j] = 1.0 / (1.0 + half * state[_VISCOUS, j])
+        state[_GIVE_REVERSE, j] = 1.0 / (1.0 + half * state[_VISCOUS + _REVERSE, j])
         if before > 0.0:
             state[_CHANGE, j] *= h / before
     return h
@@ -174,6 +182,7 @@ def _advance(
         c_f, c_r = state[_COULOMB, j], state[_COULOMB + _REVERSE, j]
         s_f, s_r = state[_STATIC, j], state[_STATIC + _REVERSE, j]
         v_f, v_r = state[_VISCOUS, j], state[_VISCOUS + _REVERSE, j]
+        give_f, give_r = state[_GIVE, j], state[_GIVE_REVERSE, j]
         forth = w >= 0.0
         c, top, viscous = c_f if forth else c_r, s_f if forth else s_r, v_f if forth else v_r
         q, v = state[_Q, j] + state[_DQ, j] * f, state[_V, j] + state[_DV, j] * f
@@ -188,7 +197,9 @@ def _advance(
         mean = z + state[_SHARPNESS, j] * ((1.0 / 3.0) * (first + second + third) - z)
         bristle = state[_SIGMA_0, j] * mean + state[_SIGMA_1, j] * (mean - state[_MEAN, j]) / h
         tau = state[_TAU, j] + state[_DTAU, j] * middle
-        faster = w + h * (tau - viscous * state[_FELT, j] - bristle + u) * state[_MOBILITY, j]
+        give = give_f if forth else give_r
+        driven = h * (tau - viscous * state[_FELT, j] - bristle + u) * state[_MOBILITY, j]
+        faster = w + give * driven + (1.0 - give) * state[_CHANGE, j]
         x += 0.5 * h * (w + faster)
         leak = state[_LEAK, j]
         x += h * (leak if abs(faster) < rest_speed else 0.0) * (q + v * h - x)
@@ -219,7 +230,8 @@ def _creep(state: np.ndarray, h: float) -> None:
     It depends on the velocity and acceleration that it leaves itself, so that no stiffness is too large for the step.
     """
     for j in range(state.shape[1]):
-        speed, top, mobility = state[_CREEP, j], state[_TOP, j], state[_MOBILITY, j]
+        speed, top, give_f, give_r = state[_CREEP, j], state[_TOP, j], state[_GIVE, j], state[_GIVE_REVERSE, j]
+        mobility = state[_MOBILITY, j] * (give_f if state[_BEFORE, j] >= 0.0 else give_r)
         if speed > 0.0:
             free = (state[_W, j] - state[_BEFORE, j]) / h
             ahead = h + state[_LEAD, j]

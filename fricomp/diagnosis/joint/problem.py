@@ -177,7 +177,8 @@ def _choose_substeps(track: Track, plant: Plant, observer: Observer, gains: tupl
     A bristle at its level follows the speed at once, and the stiffness that asks for short steps is gone.
     """
     stiffest = np.sqrt((3.0 * plant.sigma_0 + gains[0]) / plant.inertia) / observer.step
-    fastest = (gains[1] + 3.0 * max(plant.forward[3], plant.reverse[3])) / plant.inertia / 0.4
+    viscous = 3.0 * max(plant.forward[3], plant.reverse[3])  # a fit may triple it
+    fastest = max(gains[1] / 0.4, viscous / JOINT.viscous_substep) / plant.inertia
     fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *JOINT.fine_substeps))
     coarse = int(np.clip(np.ceil(fastest * track.dt), JOINT.coarse_substeps, fine))
     direction = np.sign(track.velocity) * (np.abs(track.velocity) > JOINT.certain_sliding * observer.rest_speed)

@@ -134,6 +134,9 @@ class JointSettings:
     """Fewest and most substeps of a sample in which the bristle may be stretched."""
     coarse_substeps: int = 2
     """Fewest substeps of a sample in which it has long yielded."""
+    viscous_substep: float = 2.0
+    """Longest substep in times after which viscous friction has stopped the joint. The kernel takes any; a longer one
+    swings."""
     certain_sliding: float = 4.0
     """Rest speeds from which a sample's direction is certain."""
     yielded_travel: float = 16.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -186,9 +187,10 @@ def describe_rest(noise_ratio: float) -> str:
 
 def describe_trace(left: float, share: float, unit: str) -> str:
     """What is left that no effect explains and that is too small to be looked for."""
+    of_friction = f", {share:.1%} of the Coulomb torque" if math.isfinite(share) else ""
     return (
-        f"Beside the noise {left:.2g} {unit} is left that no effect explains, {share:.1%} of the Coulomb torque: as "
-        "the steps of an encoder leave it, or a log that is slower than its loop."
+        f"Beside the noise {left:.2g} {unit} is left that no effect explains{of_friction}: as the steps of an encoder "
+        "leave it, or a log that is slower than its loop."
     )
 
 

@@ -179,6 +179,27 @@ def test_friction_is_felt_when_it_acts_however_long_the_steps(substeps: int, lag
     assert abs(along_acceleration) < 2e-5
 
 
+@pytest.mark.parametrize("creep_velocity", [0.0, 1e-6])
+@pytest.mark.parametrize("steps", [0.1, 1.0, 2.0])
+def test_viscous_friction_that_stops_the_joint_within_a_substep_leaves_nothing(
+    steps: float, creep_velocity: float
+) -> None:
+    """A slow joint with much grease: the recorded torque is what the friction takes, and the observer has no work."""
+    dt, viscous, coulomb, omega = 2e-3, 2e3, 0.5, 2.0
+    time: FloatArray = np.asarray(np.arange(5000) * dt, dtype=np.float64)
+    inertia = viscous * 0.5 * dt / steps  # two substeps a sample
+    velocity = 2e-3 + 1e-3 * np.sin(omega * time)
+    torque = inertia * 1e-3 * omega * np.cos(omega * time) + viscous * velocity + coulomb
+    position = 2e-3 * time - 1e-3 / omega * np.cos(omega * time)
+    curve = (coulomb, coulomb, 1e-3, viscous)
+    plant = Plant(inertia, (0.0, 0.0), 0.0, curve, curve, sigma_0=1e4, creep_velocity=creep_velocity)
+    substeps = np.full(time.size, 2)
+    track = Track(dt, position, velocity, torque, 0.0, TorqueNoise(0.0, 0.0, 0.0), substeps=substeps)
+    gains = (inertia * 30.0**2, 2.0 * inertia * 30.0)
+    (missing,) = compute_missing_torques([Job(track, plant, Contribution())], Observer(rest_speed=1e-5), gains)
+    assert np.max(np.abs(missing[3000:-1])) < 1e-3 * coulomb
+
+
 def test_another_stribeck_exponent_in_one_lane_leaves_the_others_as_they_are() -> None:
     joint = ToyJoint()
     plant = true_plant(joint)
