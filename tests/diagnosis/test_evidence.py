@@ -19,6 +19,7 @@ from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.base import BASE_NAMES
 from fricomp.diagnosis.joint.observer import Contribution, Observer
 from fricomp.diagnosis.joint.problem import Problem, build_problem
+from fricomp.diagnosis.joint.settings import JOINT
 from fricomp.diagnosis.joint.solver import Box, Fit
 from fricomp.diagnosis.record.sentence import describe_trace
 from fricomp.diagnosis.search.explanation import _compute_left, compute_evidence
@@ -186,8 +187,9 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
     assert np.all(stiff[(time > 3.99) & (time < 6.01)] == stiff.max())  # at rest, and 10 ms about it
     assert np.all(stiff[np.abs(time - 2.0) < 0.01] == stiff.max())  # where it turns
     assert np.all(stiff[(time > 2.1) & (time < 2.9)] == stiff.min())
-    longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / PLANT.inertia)
-    assert longest <= problem.observer.step
+    for cut, sigma_0, longest in ((soft, 1e4, problem.observer.step), (stiff, 4e5, JOINT.stable_substep)):
+        assert 1e-3 / cut.max() * np.sqrt((3.0 * sigma_0 + problem.gains[0]) / PLANT.inertia) <= longest
+    assert 1e-3 / stiff.max() >= problem.observer.row_width / JOINT.row_substeps  # rows show no more
     np.testing.assert_array_equal(problem.tracks[0].substeps, problem.cut_samples_for(PLANT).tracks[0].substeps)
 
 

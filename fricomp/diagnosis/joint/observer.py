@@ -129,7 +129,7 @@ class Observer:
         bandwidth: omega of the second-order observer [rad/s].
         rest_speed: Below it the joint counts as resting [rad/s].
         leak: Rate at which the position of a resting model returns to the recorded one [1/s].
-        step: Longest substep in radians of the bristle's own oscillation.
+        step: Longest substep in radians of the bristle's own oscillation, where rows would show it.
         width: Width of the windows over which the missing torque is averaged [s], at least.
     """
 

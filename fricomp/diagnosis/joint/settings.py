@@ -134,6 +134,11 @@ class JointSettings:
     """Fewest and most substeps of a sample in which the bristle may be stretched."""
     coarse_substeps: int = 2
     """Fewest substeps of a sample in which it has long yielded."""
+    row_substeps: float = 250.0
+    """Most substeps within a row's window that a bristle needs for its rows. With 400, and with four times the usual
+    number everywhere, rows differ by less than 0.02 of their noise."""
+    stable_substep: float = 0.45
+    """Longest substep in radians of the bristle's own oscillation."""
     viscous_substep: float = 2.0
     """Longest substep in times after which viscous friction has stopped the joint. The kernel takes any; a longer one
     swings."""
