@@ -36,6 +36,9 @@ class EffectSettings:
     load_share_prior: float = 0.3
     """Standard deviation of a weak prior around the start of that part [1]: it keeps a fit near it where the
     recordings do not show the load."""
+    steepest_unevenness: float = 0.5
+    """Largest part by which a gear's ratio changes along a wave of its error. Teeth reach some hundredths; at one the
+    load would stand still while the motor runs."""
     usual_load_share: float = 0.6
     """That part where nobody knows it [1]: gears are chosen so that motor and load weigh about the same."""
     least_waves: float = 1.5

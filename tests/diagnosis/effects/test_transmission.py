@@ -117,3 +117,11 @@ def test_a_sensor_loop_is_larger_than_the_noise_and_saturates(noise: float, cont
 def test_a_sensor_reads_late_and_never_ahead(height: float, physical: bool, context: Context) -> None:
     values = {"height": height, "width": 0.0, "exponent": 0.0, "initial": 0.0}
     assert (EFFECTS["torque_sensor_hysteresis"].refuse(values, [context]) is None) == physical
+
+
+@pytest.mark.parametrize(("amplitude", "physical"), [(1e-3, True), (4e-3, False)])
+def test_a_gear_whose_load_would_stand_still_along_a_wave_is_none(
+    amplitude: float, physical: bool, context: Context
+) -> None:
+    values = {"sine": 0.6 * amplitude, "cosine": 0.8 * amplitude, "order": 200.0, "load_share": 0.5}
+    assert (EFFECTS["kinematic_error"].refuse(values, [context]) is None) == physical

@@ -47,6 +47,8 @@ class KinematicError(Effect):
         return Contribution(additive=values["sine"] * torque.imag + values["cosine"] * torque.real)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["order"] * np.hypot(values["sine"], values["cosine"]) > EFFECT.steepest_unevenness:
+            return "the gear's ratio would change by more than half along a wave"
         return refuse_long_wave(values["order"], contexts)
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
