@@ -21,14 +21,14 @@ pytestmark = pytest.mark.slow
 
 
 def test_nothing_is_named_where_nothing_is_missing() -> None:
-    diagnosis = diagnose(recording(ToyJoint(), "fourier", 30.0))
+    diagnosis = diagnose(recording(ToyJoint(), "fourier", 20.0, every=2))
     assert diagnosis.verdict == "consistent", diagnosis.sentences
     assert diagnosis.record.noise_ratio == pytest.approx(1.0, abs=0.12)
 
 
 def test_friction_holds_the_constant_torque_and_intervals_hold_the_truth() -> None:
     joint = ToyJoint(offset=0.4)
-    diagnosis = diagnose(recording(joint, "fourier", 30.0))
+    diagnosis = diagnose(recording(joint, "fourier", 20.0, every=2))
     model, base = diagnosis.base_model, diagnosis.record.base
     assert model is not None
     # Levels in steady sliding, which is where the rigid body leaves the constant torque to the friction.
@@ -44,7 +44,7 @@ def test_friction_holds_the_constant_torque_and_intervals_hold_the_truth() -> No
 
 def test_a_torque_in_amperes_is_not_compared_with_newton_metres() -> None:
     joint = ToyJoint()
-    measured = recording(joint, "fourier", 30.0)
+    measured = recording(joint, "fourier", 20.0, every=2)
     amperes = replace(measured, torque=measured.torque / 2.0, metadata=replace(measured.metadata, torque_unit="A"))
     given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
     diagnosis = diagnose(amperes, given)
@@ -55,7 +55,7 @@ def test_a_torque_in_amperes_is_not_compared_with_newton_metres() -> None:
 
 def test_torque_of_the_motor_side_is_not_explained_by_physics() -> None:
     joint = ToyJoint()
-    joint_side = recording(joint, "fourier", 20.0)
+    joint_side = recording(joint, "fourier", 20.0, every=2)
     given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
     diagnosis = diagnose(replace(joint_side, torque=joint_side.torque / 100.0), given)
     assert diagnosis.verdict == "bad_data"
@@ -65,7 +65,7 @@ def test_torque_of_the_motor_side_is_not_explained_by_physics() -> None:
 
 def test_quadratic_drag_is_named_measured_and_added() -> None:
     joint = ToyJoint(quadratic_drag=0.4)
-    diagnosis = diagnose(recording(joint, "rich", 40.0))
+    diagnosis = diagnose(recording(joint, "rich", 25.0, every=2))
     assert [effect.name for effect in diagnosis.effects] == ["quadratic_drag"]
     low, high = diagnosis.effects[0].parameters["coefficient"].ci95
     assert low - 0.02 < joint.quadratic_drag < high + 0.02
@@ -81,7 +81,7 @@ def test_quadratic_drag_is_named_measured_and_added() -> None:
 def test_gravity_held_to_none_about_a_vertical_axis_lets_the_rest_be_fitted() -> None:
     joint = ToyJoint(gravity=0.0, quadratic_drag=0.6)
     given = RigidJoint(joint.inertia, (0.0, 0.0), 0.0, 0.0, 0.0, True)
-    tracks = build_tracks([recording(joint, "fourier", 20.0)])
+    tracks = build_tracks([recording(joint, "fourier", 20.0, every=2)])
     baseline = prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
     drag = Structure(baseline.structure.contexts, (Candidate("quadratic_drag", (("coefficient", 0.0),)),))
     (free,) = fit_from(baseline, [(drag, baseline.fit.theta)], baseline.box)
@@ -93,7 +93,7 @@ def test_gravity_held_to_none_about_a_vertical_axis_lets_the_rest_be_fitted() ->
 def test_a_wrong_inertia_is_a_parameter_and_no_physics() -> None:
     joint = ToyJoint()
     given = RigidJoint(0.7 * joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
-    diagnosis = diagnose(recording(joint, "fourier", 30.0), given)
+    diagnosis = diagnose(recording(joint, "fourier", 20.0, every=2), given)
     assert diagnosis.verdict == "parameters"
     assert [effect.name for effect in diagnosis.effects] == ["inertia_error"]
 
@@ -115,7 +115,7 @@ def test_a_load_that_differs_between_recordings_and_from_the_simulation_is_one_e
 def test_a_spring_that_stiffens_is_told_from_another_gravity_by_the_simulation() -> None:
     joint = ToyJoint(spring=(2.5, 0.15, 0.4))
     given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
-    diagnosis = diagnose(recording(joint, "rich", 40.0), given)
+    diagnosis = diagnose(recording(joint, "rich", 30.0, every=2), given)
     assert [effect.name for effect in diagnosis.effects] == ["spring_torque"], diagnosis.sentences
     found = diagnosis.effects[0].parameters
     for name, truth in zip(("stiffness", "centre", "hardening"), joint.spring, strict=True):
@@ -125,7 +125,7 @@ def test_a_spring_that_stiffens_is_told_from_another_gravity_by_the_simulation()
 
 
 def test_the_same_recording_gets_the_same_answer() -> None:
-    data = recording(replace(ToyJoint(), cogging=(0.15, 40.0)), "fourier", 20.0)
+    data = recording(replace(ToyJoint(), cogging=(0.15, 40.0)), "fourier", 12.0, every=2)
     first, second = diagnose(data), diagnose(data)
     assert first.record == second.record
     assert first.effects[0].name == "cogging"

@@ -12,7 +12,7 @@ _SECONDS = 16.0
 
 
 def _diagnosed(truth: FrictionLoss, kind: str) -> Diagnosis:
-    return diagnose(recording(truth, kind, duration=_SECONDS))
+    return diagnose(recording(truth, kind, duration=_SECONDS, rate=500))
 
 
 def _only(found: Diagnosis, name: str) -> dict[str, float]:

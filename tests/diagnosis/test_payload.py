@@ -11,7 +11,7 @@ from .toy_joint import ToyJoint, recording
 @pytest.mark.slow
 def test_two_recordings_of_one_joint_with_different_loads() -> None:
     light, heavy = ToyJoint(), ToyJoint(gravity=8.0, inertia=0.42)
-    diagnosis = diagnose([recording(light, "fourier", 30.0, 1), recording(heavy, "fourier", 30.0, 2)])
+    diagnosis = diagnose([recording(light, "fourier", 20.0, 1, every=2), recording(heavy, "fourier", 20.0, 2, every=2)])
     assert diagnosis.verdict == "parameters"
     assert [effect.name for effect in diagnosis.effects] == ["payload_error"]
     found = {name: one.value for name, one in diagnosis.effects[0].parameters.items()}

@@ -22,7 +22,7 @@ def test_a_cold_and_a_warm_recording_show_what_neither_shows_alone() -> None:
         thinner = float(np.exp(-0.02 * (temperature - 31.0)))
         curves = [(2.0, 2.6, 0.05, 1.2 * thinner)] * 2
         joint = ToyJoint(forward=curves[0], reverse=curves[1])
-        one = recording(joint, "fourier", 20.0, seed=seed)
+        one = recording(joint, "fourier", 15.0, seed=seed, every=2)
         warmth = np.full(len(one), temperature)
         recordings.append(Recording(one.time, one.position, one.torque, temperature=warmth))
     diagnosis = diagnose(recordings)
@@ -34,7 +34,7 @@ def test_a_cold_and_a_warm_recording_show_what_neither_shows_alone() -> None:
 def test_friction_under_load_feels_the_payload_of_each_recording() -> None:
     joint = ToyJoint(load_coulomb=0.1)
     heavier = replace(joint, inertia=0.42, gravity=8.5)
-    recordings = [recording(joint, "fourier", 20.0), recording(heavier, "fourier", 20.0, seed=3)]
+    recordings = [recording(joint, "fourier", 15.0, every=2), recording(heavier, "fourier", 15.0, seed=3, every=2)]
     diagnosis = diagnose(recordings)
     assert {effect.name for effect in diagnosis.effects} == {"payload_error", "load_coulomb"}, diagnosis.sentences
     found = {effect.name: effect.parameters for effect in diagnosis.effects}

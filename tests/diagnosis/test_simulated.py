@@ -44,7 +44,7 @@ def test_a_shorter_one_and_another_motion_are_told() -> None:
 # The real joint sticks, and the simulator's creeps as by default: neither its form of friction nor the lack of noise in
 # its recording is a mismatch.
 _SIMULATED, _REAL = FrictionLoss(), FrictionLoss(time=0.002, impedance=STICKING)
-_SECONDS = 14.0
+_SECONDS = 10.0
 
 
 def _real(**changes: Any) -> Recording:

@@ -107,10 +107,12 @@ def motion(kind: str, duration: float, seed: int = 0) -> tuple[FloatArray, Float
     return np.cumsum(v) * 1e-3, v, np.gradient(v, 1e-3)
 
 
-def recording(joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: int = 0) -> Recording:
-    """The recording of `joint` as the library's own value."""
+def recording(
+    joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: int = 0, *, every: int = 1
+) -> Recording:
+    """The recording of `joint` as the library's own value, of so many samples one."""
     columns = record(joint, kind, duration, seed)
-    return Recording(columns["time"], columns["position"], columns["torque"])
+    return Recording(*(columns[name][::every] for name in ("time", "position", "torque")))
 
 
 def record(joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: int = 0) -> dict[str, FloatArray]:

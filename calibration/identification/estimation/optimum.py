@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from .likelihood import Noise, Whitened
 from .observation import Observations
 from .start import Scan, starting_points
 
-__all__ = ["Optimum", "bounded", "fit_likelihood", "optimum_at", "refine"]
+__all__ = ["Optimum", "bounded", "fit_likelihood", "minimise_squares", "optimum_at", "refine"]
 
 _LARGEST_LOG = 60.0
 _EXACT = 1e-8
@@ -86,34 +87,37 @@ def refine(
     start: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise, evaluations: int = 400
 ) -> Optimum:
     """The local optimum that Levenberg-Marquardt reaches from `start`."""
-    evaluate = _Memo(law, observations, noise)
-    limits = {"xtol": 1e-10, "ftol": 1e-13, "gtol": 1e-14, "maxfev": evaluations}
-    end, *_ = leastsq(evaluate.residual, start, Dfun=evaluate.jacobian, full_output=True, **limits)
-    return optimum_at(bounded(end, evaluate.upper), law, observations, noise)
+    upper = law.upper_logs(observations)
+
+    def whiten(logs: FloatArray) -> Residuals:
+        magnitude, jacobian = law.evaluate(bounded(logs, upper), observations)
+        # Beyond its bound a parameter changes nothing.
+        white = noise.whiten(observations.magnitude, magnitude, jacobian * (logs <= upper))
+        return white.residual, white.jacobian
+
+    end = minimise_squares(whiten, start, xtol=1e-10, ftol=1e-13, gtol=1e-14, maxfev=evaluations)
+    return optimum_at(bounded(end, upper), law, observations, noise)
 
 
-class _Memo:
-    """Residual and derivative from one evaluation, for a solver that asks for them one after the other."""
+Residuals = tuple[FloatArray, FloatArray]
+"""Residuals and their derivative. Shapes (n,) and (n, n_parameters)."""
 
-    def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise) -> None:
-        self._problem, self._at = (law, observations, noise), np.empty(0)
-        self.upper = law.upper_logs(observations)
-        self._whitened: Whitened | None = None
 
-    def _evaluate(self, logs: FloatArray) -> Whitened:
-        if self._whitened is None or not np.array_equal(logs, self._at):
-            law, observations, noise = self._problem
-            magnitude, jacobian = law.evaluate(bounded(logs, self.upper), observations)
-            self._at = np.array(logs)
-            # Beyond its bound a parameter changes nothing.
-            self._whitened = noise.whiten(observations.magnitude, magnitude, jacobian * (logs <= self.upper))
-        return self._whitened
+def minimise_squares(evaluate: Callable[[FloatArray], Residuals], start: FloatArray, **limits: float) -> FloatArray:
+    """Where Levenberg and Marquardt's method ends from `start`, within these limits of `scipy.optimize.leastsq`.
 
-    def residual(self, logs: FloatArray) -> FloatArray:
-        return self._evaluate(logs).residual
+    The solver asks for residuals and derivative one after the other, and gets both from one evaluation.
+    """
+    at, found = start, evaluate(start)
 
-    def jacobian(self, logs: FloatArray) -> FloatArray:
-        return self._evaluate(logs).jacobian
+    def look(x: FloatArray) -> Residuals:
+        nonlocal at, found
+        if not np.array_equal(x, at):
+            at, found = np.array(x), evaluate(x)
+        return found
+
+    end, *_ = leastsq(lambda x: look(x)[0], start, Dfun=lambda x: look(x)[1], full_output=True, **limits)
+    return np.asarray(end)
 
 
 def bounded(logs: FloatArray, upper: FloatArray | None = None) -> FloatArray:

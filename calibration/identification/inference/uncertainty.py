@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.optimize import brentq, least_squares
+from scipy.optimize import brentq
 from scipy.stats import f as fisher
 
 from fricomp.errors import IdentificationError
@@ -14,7 +14,7 @@ from fricomp.laws import FloatArray
 
 from ..estimation.form import SeparableLaw
 from ..estimation.observation import Observations
-from ..estimation.optimum import Optimum, bounded, refine
+from ..estimation.optimum import Optimum, bounded, minimise_squares, refine
 from .verdict import covariance_of
 
 __all__ = ["BENT", "BootstrapSample", "Interval", "block_bootstrap", "profile_interval", "profile_likelihood"]
@@ -167,10 +167,8 @@ def _held(result: Identified, index: int, log_value: float) -> float:
         white = noise.whiten(points.magnitude, magnitude, jacobian)
         return white.residual, white.jacobian[:, free]
 
-    fit = least_squares(
-        lambda x: whitened(x)[0], logs[free], lambda x: whitened(x)[1], method="lm", x_scale="jac", xtol=1e-9
-    )
-    held = noise.negative_log_likelihood(whitened(fit.x)[0], points.torque_scale)
+    end = minimise_squares(whitened, logs[free], xtol=1e-9, ftol=1e-8, gtol=1e-8)
+    held = noise.negative_log_likelihood(whitened(end)[0], points.torque_scale)
     best = noise.negative_log_likelihood(result.optimum.whitened.residual, points.torque_scale)
     return held - best
 

@@ -20,7 +20,7 @@ def test_a_flaw_leaves_the_right_friction_or_is_named(flaw: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pair", list(combinations(FLAWS, 2)), ids="+".join)
+@pytest.mark.parametrize("pair", list(combinations(FLAWS, 2))[::3], ids="+".join)
 def test_two_flaws_leave_the_right_friction_or_one_is_named(pair: tuple[str, str]) -> None:
     _assert_good(try_case(pair, 400.0, 22))
 

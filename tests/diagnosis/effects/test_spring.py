@@ -75,7 +75,7 @@ def test_a_spring_that_the_joint_lacks_is_written_as_none() -> None:
 def test_the_same_spring_on_both_sides_is_not_missing() -> None:
     joint = ToyJoint(spring=(6.0, 0.3, 0.0))
     given = RigidJoint(joint.inertia, _GRAVITY, 0.0, 0.0, 0.0, True, Spring((6.0,), 0.3))
-    diagnosis = diagnose(recording(joint, "fourier", 30.0), given)
+    diagnosis = diagnose(recording(joint, "fourier", 20.0, every=2), given)
     assert diagnosis.verdict == "consistent", diagnosis.sentences
 
 
@@ -83,7 +83,7 @@ def test_the_same_spring_on_both_sides_is_not_missing() -> None:
 def test_a_spring_of_the_simulation_that_the_joint_lacks_is_said_plainly() -> None:
     joint = ToyJoint()
     given = RigidJoint(joint.inertia, _GRAVITY, 0.0, 0.0, 0.0, True, Spring((2.0,)))
-    diagnosis = diagnose(recording(joint, "rich", 40.0), given)
+    diagnosis = diagnose(recording(joint, "rich", 25.0, every=2), given)
     assert diagnosis.verdict == "parameters", diagnosis.sentences
     (effect,) = diagnosis.effects
     assert effect.name == "spring_torque"
@@ -94,4 +94,4 @@ def test_a_spring_of_the_simulation_that_the_joint_lacks_is_said_plainly() -> No
     (term,) = [one for one in diagnosis.extended_model.law.terms if isinstance(one, SpringTorque)]
     assert term.stiffness < 0.2
     same = replace(given, spring=None)
-    assert diagnose(recording(joint, "rich", 40.0), same).verdict == "consistent"
+    assert diagnose(recording(joint, "rich", 25.0, every=2), same).verdict == "consistent"

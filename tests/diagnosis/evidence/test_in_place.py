@@ -92,6 +92,6 @@ def test_a_lag_too_short_to_be_named_is_faint_and_no_other_is() -> None:
 @pytest.mark.slow
 def test_gravity_that_a_faint_spring_bends_is_not_told_from_the_spring() -> None:
     faint = ToyJoint(spring=(0.08, 0.15, 0.0))
-    (effect,) = diagnose(recording(faint, "fourier", 20.0), _GIVEN).effects
+    (effect,) = diagnose(recording(faint, "fourier", 20.0, every=2), _GIVEN).effects
     assert effect.name == "payload_error"
     assert "spring_torque" in effect.indistinguishable_from

@@ -24,9 +24,9 @@ def _chirp(seconds: float = 25.0) -> tuple[FloatArray, FloatArray, FloatArray]:
     return time, position, 0.05 * np.gradient(velocity, time) + 0.2 * velocity + _COULOMB * np.tanh(velocity / 0.01)
 
 
-def _record(delay: float = 0.0, lag: float = 0.0) -> Recording:
+def _record(delay: float = 0.0, lag: float = 0.0, seconds: float = 25.0) -> Recording:
     """What is commanded, where the drive gives it `delay` later, or behind a low pass of the time `lag`."""
-    time, position, acts = _chirp()
+    time, position, acts = _chirp(seconds)
     asked = np.interp(time + delay, time, acts)
     if lag > 0.0:
         asked = acts + lag * np.gradient(acts, time)
@@ -47,7 +47,7 @@ def test_a_prompt_torque_is_left_where_it_is() -> None:
 
 @pytest.mark.slow
 def test_a_late_command_is_named_and_the_friction_is_that_of_the_joint() -> None:
-    diagnosis = diagnose(_record(12e-3))
+    diagnosis = diagnose(_record(12e-3, seconds=15.0))
     assert diagnosis.verdict == "measurement"
     (late,) = diagnosis.effects
     low, high = late.parameters["delay"].ci95
@@ -61,7 +61,7 @@ def test_a_late_command_is_named_and_the_friction_is_that_of_the_joint() -> None
 
 @pytest.mark.slow
 def test_a_lag_of_the_drive_is_told_as_one_or_as_what_looks_alike() -> None:
-    (found,) = diagnose(_record(lag=6e-3)).effects
+    (found,) = diagnose(_record(lag=6e-3, seconds=15.0)).effects
     assert "drive_lag" in (found.name, *found.indistinguishable_from)
     (time,) = [number for number in found.parameters.values() if number.unit == "s"]
     assert time.value == pytest.approx(6e-3, rel=0.15)

@@ -7,7 +7,7 @@ import pytest
 from fricomp.fleet import open_executor
 from fricomp.sim_bench.studies.proof import RunSettings, Score, plan_run, run_proof
 
-_CASES = 12
+_CASES = 8
 
 
 @pytest.fixture(scope="module")
