@@ -116,7 +116,8 @@ def minimise_squares(evaluate: Callable[[FloatArray], Residuals], start: FloatAr
             at, found = np.array(x), evaluate(x)
         return found
 
-    end, *_ = leastsq(lambda x: look(x)[0], start, Dfun=lambda x: look(x)[1], full_output=True, **limits)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a covariance that it makes as well
+        end, *_ = leastsq(lambda x: look(x)[0], start, Dfun=lambda x: look(x)[1], full_output=True, **limits)
     return np.asarray(end)
 
 
