@@ -112,7 +112,8 @@ def recording(
 ) -> Recording:
     """The recording of `joint` as the library's own value, of so many samples one."""
     columns = record(joint, kind, duration, seed)
-    return Recording(*(columns[name][::every] for name in ("time", "position", "torque")))
+    time, position, torque = (columns[name][::every] for name in ("time", "position", "torque"))
+    return Recording(time, position, torque)
 
 
 def record(joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: int = 0) -> dict[str, FloatArray]:
