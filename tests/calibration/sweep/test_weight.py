@@ -141,7 +141,10 @@ def test_another_joint_that_gives_way_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_finds_the_torque_constant_of_a_servo_that_counts_amperes(tmp_path: Path) -> None:
+def test_the_command_finds_the_torque_constant_of_a_servo_that_counts_amperes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fricomp.cli.calibration.torque_constant.N_PASSES", 2)
     config = tmp_path / "twin.toml"
     config.write_text('in_amperes = true\n[sim]\nmodel = "two_link_arm"\n')
     arguments = ["calibrate", "--torque-constant", "--weight", "0.5", "--lever", "0.25", "--backend", "twin-dynamixel"]

@@ -153,7 +153,7 @@ def test_intervals_hold_where_few_speeds_show_the_static_torque(slowest: float) 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reading", ["relative", "absolute"])
-def test_intervals_of_the_robust_fit_hold(reading: str) -> None:
+def test_intervals_of_the_robust_fit_hold_the_truth_a_little_less_often_than_they_say(reading: str) -> None:
     covered = []
     for seed in range(50):
         draw, _ = contaminate(noisy(reading, seed), PROBLEM)
@@ -162,4 +162,6 @@ def test_intervals_of_the_robust_fit_hold(reading: str) -> None:
             intervals = [result.interval(name) for name in result.parameter_names]
             covered.append([i.lower <= t <= i.upper for i, t in zip(intervals, TRUE, strict=True)])
     assert len(covered) > 40
-    assert np.mean(np.array(covered, dtype=np.float64)) > 0.92
+    often = np.mean(np.array(covered, dtype=np.float64), axis=0)
+    assert np.mean(often) > 0.92
+    assert 0.8 < min(often) < 0.95
