@@ -20,6 +20,7 @@ from .fit import ArmFit
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
+from .search.gap import GapSearch
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 
@@ -141,6 +142,10 @@ def _describe_effect(
         steps = [one for one in TERMS[term].values if one is not None]
         ends = value in (steps[0], steps[-1])
         parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value), at_bound=ends)
+    if term == "backlash":  # the factor on it is one
+        width = float(found.equations.gaps[joint, 0])
+        ends = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
+        parameters = {"gap": Quantity(width, position, ends)}
     if term == "cogging":
         order = float(found.equations.ripple[joint])
         reach = float(np.ptp(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
@@ -174,7 +179,7 @@ def _unit_of(name: str, torque: str, position: str) -> str:
         return f"{torque}·s/{position}/K" if ".viscous" in name else f"{torque}/K"
     if name.startswith("torque_delay"):
         return "s"
-    if name.startswith(("load_coulomb", "torque_gain_error")):
+    if name.startswith(("backlash", "load_coulomb", "torque_gain_error")):
         return "1"
     return f"1/{torque}" if name.startswith("load_quadratic") else torque
 

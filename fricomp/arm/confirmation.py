@@ -21,8 +21,8 @@ from .fit import ArmFit, fit_arm
 from .friction import JointForm
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
-from .ripple import RippleSearch
 from .rows import ArmRows
+from .search.ripple import RippleSearch
 
 __all__ = ["ConfirmedData", "HeldOutErrors", "fit_plainly", "without_term", "without_terms"]
 
@@ -31,6 +31,9 @@ _BLOCKS = 20
 """Blocks that a recording is cut into; a half are ten of them, so that each half meets all of the motion."""
 
 _FOLDS = 4
+
+_MEAN = 0.1
+"""[s] over which errors are averaged where it is asked how much a term matters: the tenth of a short stroke."""
 
 _TOLD_APART = 1e-3
 """Part of the largest below which what a few rows tell of plain friction counts as nothing: where a joint hardly goes
@@ -45,11 +48,13 @@ class HeldOutErrors:
         simulation: Of the simulation's inverse dynamics, with a Coulomb, a viscous and a constant torque fitted.
         plain: Of links, rotors and such friction fitted together.
         model: Of the whole model.
+        means: Of the whole model, over means of 0.1 s.
     """
 
     simulation: FloatArray
     plain: FloatArray
     model: FloatArray
+    means: FloatArray
 
 
 def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
@@ -77,6 +82,7 @@ class ConfirmedData:
         self.equations = equations
         self._arm, self._prior, self._ripples = arm, prior, RippleSearch(rows)
         self._block = np.arange(len(rows)) * _BLOCKS // len(rows)
+        self._spans = _list_spans(rows)
         self._sums = equations.split(self._block)
         self._trained = [
             EquationSums.join([one for k, one in enumerate(self._sums) if k % _FOLDS != fold]) for fold in range(_FOLDS)
@@ -109,16 +115,23 @@ class ConfirmedData:
         """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
         plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms), pinned=frozenset())
         fold = self._block % _FOLDS
+        whole, means = self.measure_model(fit.model, fit)
         simulated = [fit_plainly(self._arm, self.equations, fold != k)[1] for k in range(_FOLDS)]
         return HeldOutErrors(
             simulation=_measure_rows(self.equations, _join_folds(fold, simulated)),
-            plain=self.measure_model(plain, fit),
-            model=self.measure_model(fit.model, fit),
+            plain=_measure_rows(self.equations, self.leave_out(plain, fit)),
+            model=whole,
+            means=means,
         )
 
-    def measure_model(self, model: ArmModel, start: ArmFit) -> FloatArray:
-        """Held-out error of one model, fitted from `start` to the other blocks [N·m] or [N]. Shape (n_joints,)."""
-        return _measure_rows(self.equations, self.leave_out(model, start))
+    def measure_model(self, model: ArmModel, start: ArmFit) -> tuple[FloatArray, FloatArray]:
+        """Held-out errors of one model over rows, and over means of 0.1 s [N·m] or [N]. Shapes (n_joints,).
+
+        How much a term matters should not hang on the bandwidth at which the parameters are known best: single rows
+        are the noisier the closer they are.
+        """
+        left = self.leave_out(model, start)
+        return _measure_rows(self.equations, left), _measure_means(self.equations, left, self._spans)
 
     def leave_out(self, model: ArmModel, start: ArmFit) -> FloatArray:
         """What one model leaves of rows by fits from `start` to blocks that they are not in. Shape (n, n_joints)."""
@@ -135,6 +148,22 @@ def _measure_rows(equations: ArmEquations, left: FloatArray) -> FloatArray:
     """RMS over the rows that are compared. Shape (n_joints,)."""
     used = equations.moving
     return np.asarray(np.sqrt(np.sum(np.where(used, left, 0.0) ** 2, axis=0) / np.maximum(np.sum(used, axis=0), 1)))
+
+
+def _list_spans(rows: ArmRows) -> NDArray[np.intp]:
+    """First rows of spans of `_MEAN`, none of which goes over a gap."""
+    number = np.floor(rows.time / _MEAN).astype(np.intp)
+    changes = (np.diff(number) != 0) | (np.diff(rows.part) != 0)
+    return np.asarray(np.concatenate([[0], np.flatnonzero(changes) + 1]), dtype=np.intp)
+
+
+def _measure_means(equations: ArmEquations, left: FloatArray, spans: NDArray[np.intp]) -> FloatArray:
+    """RMS over the means of spans, each of the rows in it that are compared. Shape (n_joints,)."""
+    count = np.add.reduceat(equations.moving.astype(np.float64), spans, axis=0)
+    sums = np.add.reduceat(np.where(equations.moving, left, 0.0), spans, axis=0)
+    return np.asarray(
+        np.sqrt(np.sum(sums**2 / np.maximum(count, 1.0), axis=0) / np.maximum(np.sum(count, axis=0), 1.0))
+    )
 
 
 def fit_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolArray) -> tuple[FloatArray, FloatArray]:

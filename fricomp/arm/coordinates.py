@@ -10,8 +10,8 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .equations import N_LAST, ArmEquations, EquationSums
-from .friction import PLAIN, JointForm, column_names
+from .equations import N_LAST, ArmEquations, EquationSums, find_reached
+from .friction import PLAIN, TERMS, JointForm, column_names
 from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
@@ -30,6 +30,11 @@ model is weighed from where it is not held."""
 
 _NUMBERS = {name: k for k, name in enumerate(column_names())}
 """Number of each column of friction by its name."""
+
+_REACHING = frozenset(
+    name for term in TERMS.values() if term.reaches_others for k in range(len(term.values)) for name in term.names(k)
+)
+"""Parameters that the other joints feel, each by one column."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +110,24 @@ class Coordinates:
         self.links = arm.link_coordinates
         self.n_inertial = N_INERTIA * len(arm.links)
         first = self.n_inertial + 1
-        self.columns = [np.array([first + _NUMBERS[name] for name in form.columns]) for form in model.forms]
-        sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(c) for c in self.columns)])
+        sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(form.columns) for form in model.forms)])
         self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
-        self.size, self.width = int(sizes[-1]) + N_LAST, first + len(_NUMBERS) + N_LAST
+        self.size, self.width = int(sizes[-1]) + N_LAST, first + len(_NUMBERS) + len(arm.joints) - 1 + N_LAST
+        felt = [self._list_felt(j, first) for j in range(len(arm.joints))]
+        self.columns = [np.array([column for _, column in pairs]) for pairs in felt]
+        self.felt = [np.array([at for at, _ in pairs]) for pairs in felt]
+
+    def _list_felt(self, joint: int, first: int) -> list[tuple[int, int]]:
+        """Friction parameters that act in a joint, with their columns there: its own, and what reaches it of others."""
+        count = len(self.arm.joints)
+        own = [self.places[joint].start + k for k in range(len(self.model.forms[joint].columns))]
+        pairs = list(zip(own, (first + _NUMBERS[name] for name in self.model.forms[joint].columns), strict=True))
+        for j, (form, place) in enumerate(zip(self.model.forms, self.places, strict=True)):
+            if j != joint:
+                reaching = [name for name in form.columns if name in _REACHING]
+                column = find_reached(first, joint, j, count)
+                pairs += [(place.start + form.columns.index(name), column) for name in reaching]
+        return pairs
 
     def expand(self, x: FloatArray) -> FloatArray:
         """Weights of the columns whose sum is what is left, with its sign turned. Shape (n_joints, n_columns)."""
@@ -116,8 +135,8 @@ class Coordinates:
         p = x[: self.n_inertial].reshape(-1, N_INERTIA)
         z[:, : self.n_inertial] = np.concatenate([link.inertia(q) for link, q in zip(self.links, p, strict=True)])
         z[:, self.n_inertial] = x[self.n_inertial : self.n_inertial + len(self.arm.joints)]
-        for j, (columns, place) in enumerate(zip(self.columns, self.places, strict=True)):
-            z[j, columns] = x[place]
+        for j, (columns, felt) in enumerate(zip(self.columns, self.felt, strict=True)):
+            z[j, columns] = x[felt]
         z[:, -N_LAST:-2] = x[-N_LAST:-2]
         z[:, :-2] *= 1.0 + x[-1]
         z[:, -2], z[:, -1] = -x[-2], -1.0
@@ -135,9 +154,9 @@ class Coordinates:
         """
         z, scale, gain, cost = self.expand(x), _scale(equations), 1.0 + float(x[-1]), 0.0
         H, g, links = np.zeros((self.size, self.size)), np.zeros(self.size), slice(self.n_inertial)
-        for j, (columns, place) in enumerate(zip(self.columns, self.places, strict=True)):
+        for j, (columns, felt) in enumerate(zip(self.columns, self.felt, strict=True)):
             sums = equations.sums[j]
-            at = np.array([self.n_inertial + j, *range(place.start, place.stop), *self._find_shared(self.size)])
+            at = np.array([self.n_inertial + j, *felt, *self._find_shared(self.size)])
             seen = np.array([self.n_inertial, *columns, *self._find_shared(self.width)])
             slope = np.full(seen.size, gain)
             slope[-1] = -1.0  # of the delay, which no gain changes
@@ -238,6 +257,8 @@ def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> flo
     """Prior deviation of a friction parameter, from a typical torque [N·m] and the joint's top speed [rad/s]."""
     if name.startswith("torque_delay"):
         return prior.delay
+    if name.startswith("backlash"):
+        return 1.0  # the law has no factor: it is one
     if name.startswith("torque_gain_error"):
         return prior.gain
     if name.startswith("thermal_friction"):

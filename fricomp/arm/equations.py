@@ -1,6 +1,8 @@
 """The equations of an arm as sums over rows: all that any model of it needs to be fitted, however long the recording.
 
-    G_j = Σ_rows w Zᵀ Z,  Z = [links | rotor | friction | lean of gravity | rate of torque | torque]  of joint j
+    G_j = Σ_rows w Zᵀ Z,  Z = [links | rotor | friction | gaps of others | lean of gravity | rate of torque | torque]
+
+of joint j.
 
 A fit is then a matter of small matrices, so that a hundred models cost what one pass over the rows does.
 """
@@ -34,7 +36,7 @@ from .rows import ArmRows
 
 BoolArray = NDArray[np.bool_]
 
-__all__ = ["N_LAST", "ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equations"]
+__all__ = ["N_LAST", "ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equations", "find_reached"]
 
 N_LAST = 4
 """Columns behind those of friction: of gravity that leans over along two level axes, the torque's rate, the torque."""
@@ -87,6 +89,8 @@ class ArmEquations:
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
         stribeck: Stribeck velocities in the columns of each joint [rad/s] or [m/s]. Shape (n_joints, n_variants).
+        gaps: Width [rad], stiffness [N·m/rad] and damping [N·m·s/rad] of the gear in the columns of each joint's gap; a
+            width of 0 for none. Shape (n_joints, 3).
     """
 
     columns: FloatArray
@@ -94,6 +98,7 @@ class ArmEquations:
     top_speed: FloatArray
     ripple: FloatArray
     stribeck: FloatArray
+    gaps: FloatArray
 
     @cached_property
     def sums(self) -> FloatArray:
@@ -149,6 +154,22 @@ class ArmEquations:
         waves = [ripple_columns(rows, j, order) * (order > 0.0) for j, order in enumerate(orders.tolist())]
         return replace(self._fill("ripple", waves), ripple=orders)
 
+    def with_gaps(self, gaps: FloatArray, torques: FloatArray) -> ArmEquations:
+        """The same with gears that have these gaps.
+
+        Args:
+            gaps: Shape as `gaps`.
+            torques: By which the links ask more of each joint with the gap of each joint [N·m]. Shape (n, n_joints,
+                n_joints): of joint i with the gap of joint j.
+        """
+        joints = range(len(gaps))
+        filled = replace(self._fill("gap", [torques[:, j, j : j + 1] for j in joints]), gaps=gaps)
+        for i in joints:
+            for j in joints:
+                if i != j:
+                    filled.columns[i, :, find_reached(self._friction, i, j, len(gaps))] = torques[:, i, j]
+        return filled
+
     def with_stribeck(self, rows: ArmRows, speeds: FloatArray) -> ArmEquations:
         """The same with curves of these Stribeck velocities, as far as a joint can show them. Shape as `stribeck`."""
         top = self.top_speed[:, None]
@@ -194,7 +215,7 @@ class ArmEquations:
     @property
     def _friction(self) -> int:
         """Number of the first column of friction."""
-        return int(self.columns.shape[2]) - N_LAST - len(column_names())
+        return int(self.columns.shape[2]) - N_LAST - (int(self.columns.shape[0]) - 1) - len(column_names())
 
 
 @dataclass(frozen=True)
@@ -223,6 +244,18 @@ class EquationSums:
         )
 
 
+def find_reached(friction: int, joint: int, other: int, n_joints: int) -> int:
+    """Number of the column by which what is in another joint's gear acts in this one: behind all of its friction.
+
+    Args:
+        friction: Number of the first column of friction.
+        joint: Number of the joint whose column it is.
+        other: Number of the other joint.
+        n_joints: How many there are.
+    """
+    return friction + len(column_names()) + (other - joint) % n_joints - 1
+
+
 def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain: bool = False) -> ArmEquations:
     """Set up all columns of all joints.
 
@@ -236,7 +269,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     speed = np.abs(rows.compare(lambda _, v, __: v))
     top = np.maximum(np.quantile(speed, 0.99, axis=0), 1e-9)
     n = len(arm.joints)
-    size = rows.links.shape[2] + 1 + len(column_names()) + N_LAST
+    size = rows.links.shape[2] + 1 + len(column_names()) + (n - 1) + N_LAST
     columns = np.zeros((n, len(rows), size))
     place = find_columns("motion")
     first = rows.links.shape[2] + 1
@@ -247,7 +280,8 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     moving = (speed > np.maximum(_SLOW * top, np.minimum(rows.least_speed, _MOST_SLOW * top))).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     parts = np.array([part or 0.0 for part in TERMS["stribeck"].values])
-    bare = ArmEquations(columns, Weights(moving, noise, np.ones(n)), top, np.zeros(n), np.zeros((n, parts.size)))
+    weights, curves = Weights(moving, noise, np.ones(n)), np.zeros((n, parts.size))
+    bare = ArmEquations(columns, weights, top, np.zeros(n), curves, np.zeros((n, 3)))
     bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
     return bare if plain else bare.with_stribeck(rows, top[:, None] * parts)
 

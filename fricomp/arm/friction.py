@@ -10,6 +10,7 @@
     A cos nq + B sin nq                              torque that waves with the position, n from what is left
     (G s + H v) (T - T_0)                            friction that follows the temperature, where it is recorded
     e τ_l,  -T_d τ'                                  a torque in another unit than those beside it, or later
+    -B M s"                                          a gap in the gear: the load lags the motor by s, B is one
 
 with s = sign v, and τ_l the torque that the joint transmits.
 """
@@ -66,9 +67,9 @@ _ORDERS = (1.0, 2.0)
 LOWEST_RIPPLE = 4.0
 """Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
 
-Filled = Literal["motion", "stribeck", "delay", "ripple", "load"]
+Filled = Literal["motion", "stribeck", "delay", "ripple", "gap", "load"]
 """What the columns of a term are made of: the motion, a Stribeck velocity that is found, the torque's own rate, a wave
-of an order that is found, or the transmitted torque."""
+of an order that is found, a gap whose width is found, or the transmitted torque."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,8 @@ class JointTerm:
         family: Of forms of the same physics: a second one of a family mends the form of the first and is no effect of
             its own; by default a term stands alone.
         replaces: Of `PLAIN`, what it may stand in place of.
+        reaches_others: Whether the other joints feel it, by the same parameters: links that move otherwise than their
+            motor pull at all of them.
     """
 
     name: str
@@ -95,6 +98,7 @@ class JointTerm:
     alike: tuple[str, ...] = ()
     family: str = ""
     replaces: tuple[str, ...] = ()
+    reaches_others: bool = False
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -125,6 +129,7 @@ TERMS = {
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
         JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
+        JointTerm("backlash", ("share",), filled="gap", reaches_others=True),
         JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
         JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),
         JointTerm("torque_gain_error", ("gain_error",), filled="load"),
@@ -173,7 +178,7 @@ class JointForm:
         return next(other for other in self.names if other == name or (family and TERMS[other].family == family))
 
 
-_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "load")
+_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "gap", "load")
 
 
 def column_names() -> tuple[str, ...]:

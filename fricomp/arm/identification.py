@@ -25,9 +25,10 @@ from .glance import Glance
 from .physics import hold_at_zero, is_physical
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
-from .ripple import propose_ripples
 from .rows import ArmRows, build_rows
-from .stribeck import refine_stribeck
+from .search.gap import GapSearch
+from .search.ripple import propose_ripples
+from .search.stribeck import refine_stribeck
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
 
@@ -216,8 +217,9 @@ def _take_in(
 ) -> tuple[ArmModel, ArmFit, ArmEquations]:
     """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
     fit, equations = fit_robustly(arm, rows, equations, model, prior)
+    gaps = GapSearch(rows, fit)
     while True:
-        equations = propose_ripples(rows, equations, fit)
+        equations = gaps.propose(propose_ripples(rows, equations, fit), fit)
         tried = _try_out(equations, fit, prior, trials)
         gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
         trials |= gains  # of the best variant of each

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,21 @@ __all__ = ["hold_at_zero", "is_physical"]
 
 _SURE = 2.0
 """Standard deviations by which a parameter must be on the wrong side."""
+
+_POSITIVE: tuple[Mapping[str, float], ...] = (
+    {"coulomb": 1.0},
+    {"viscous": 1.0},
+    {"stribeck.excess": 1.0},
+    {"load_coulomb.coefficient": 1.0},
+    {"load_quadratic.coefficient": 1.0},
+    {"presliding_hysteresis.level": 1.0},
+    {"coulomb": 1.0, "presliding_hysteresis.level": -1.0},
+    {"quadratic_drag.coefficient": 1.0},
+    {"spring_torque.stiffness": 1.0},
+    {"power_law_viscous.torque_at_top_speed": 1.0},
+    {"backlash.share": 1.0},
+)
+"""Weighted sums of a joint's parameters that are not below zero."""
 
 _NONE = 1e-6
 """[kg·m²] or [kg] below zero that a rotor without inertia may come out with, and as much of viscous friction."""
@@ -40,39 +56,24 @@ def is_physical(fit: ArmFit, before: ArmFit | None = None) -> bool:
 
     Args:
         fit: With its deviations.
-        before: Of a model with less: viscous friction that was below zero already speaks against no term.
+        before: Of a model with less: what could not exist there already speaks against no term.
     """
-    every = range(len(fit.arm.joints))
-    drag = (_is_positive(fit, j, viscous=1.0) or (before and not _is_positive(before, j, viscous=1.0)) for j in every)
-    return all(_can_exist(fit, j) for j in every) and all(drag)
+    pairs = [(j, weights) for j in range(len(fit.arm.joints)) for weights in _POSITIVE]
+    return all(
+        _is_positive(fit, j, weights) or (before is not None and not _is_positive(before, j, weights))
+        for j, weights in pairs
+    )
 
 
-def _is_positive(fit: ArmFit, joint: int, **weights: float) -> bool:
+def _is_positive(fit: ArmFit, joint: int, weights: Mapping[str, float]) -> bool:
     """Whether a weighted sum of a joint's parameters is not surely below zero; those that it lacks are none."""
     place, names = fit.find_friction(joint)
     values, covariance = fit.x[place], fit.covariance[place, place]
     short = {name.rsplit(".", 1)[0] if "." in name else name: k for k, name in enumerate(names)}
     direction = np.zeros(len(names))
     for name, weight in weights.items():
-        at = short.get(name.replace("__", "."))
+        at = short.get(name)
         if at is not None:
             direction[at] = weight
     value, spread = float(direction @ values), float(np.sqrt(direction @ covariance @ direction))
     return value >= -_SURE * spread
-
-
-def _can_exist(fit: ArmFit, joint: int) -> bool:
-    def is_positive(**weights: float) -> bool:
-        return _is_positive(fit, joint, **weights)
-
-    return (
-        is_positive(coulomb=1.0)
-        and is_positive(stribeck__excess=1.0)
-        and is_positive(load_coulomb__coefficient=1.0)
-        and is_positive(load_quadratic__coefficient=1.0)
-        and is_positive(presliding_hysteresis__level=1.0)
-        and is_positive(coulomb=1.0, presliding_hysteresis__level=-1.0)
-        and is_positive(quadratic_drag__coefficient=1.0)
-        and is_positive(spring_torque__stiffness=1.0)
-        and is_positive(power_law_viscous__torque_at_top_speed=1.0)
-    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +58,7 @@ class ArmRows:
     Attributes:
         time: Of the rows [s]. Shape (n,).
         part: Number of the part that a row is of. Shape (n,).
+        clocks: Times of the samples of each part, and their period [s].
         motion: Smoothed motion of each part, sample by sample.
         warmth: Temperature of the joints over that of their start, part by part [K].
         torque: Of the rows [N·m] or [N]. Shape (n, n_joints).
@@ -70,6 +72,7 @@ class ArmRows:
 
     time: FloatArray
     part: NDArray[np.intp]
+    clocks: tuple[tuple[FloatArray, float], ...]
     motion: tuple[Motion, ...]
     warmth: tuple[FloatArray, ...]
     torque: FloatArray
@@ -169,6 +172,7 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
     return ArmRows(
         time=np.concatenate(times),
         part=np.concatenate([np.full(len(time), i) for i, time in enumerate(times)]),
+        clocks=tuple((part.time, part.period) for part in recording.parts),
         motion=motions,
         warmth=tuple(part.warmth for part in recording.parts),
         torque=torque,
@@ -213,5 +217,10 @@ def _advance(part: ArmPart, delay: float) -> FloatArray:
 
 
 def _filter(columns: FloatArray, cutoff: float, rate: float) -> FloatArray:
-    sections = butter(_ORDER, cutoff, fs=rate, output="sos")
-    return np.asarray(sosfiltfilt(sections, columns, axis=0))
+    return np.asarray(sosfiltfilt(_design_filter(cutoff, rate), columns, axis=0))
+
+
+@cache
+def _design_filter(cutoff: float, rate: float) -> FloatArray:
+    """Sections of the low-pass; a design takes longer than a column's way through it."""
+    return np.asarray(butter(_ORDER, cutoff, fs=rate, output="sos"))

@@ -16,7 +16,7 @@ from fricomp.laws import FloatArray
 from .inertia import N_INERTIA
 from .simulated_arm import LinkMotion, SimulatedArm
 
-__all__ = ["N_GRAVITY", "Regressors", "compute_regressor", "compute_regressors"]
+__all__ = ["N_GRAVITY", "Regressors", "compute_mass_matrices", "compute_regressor", "compute_regressors"]
 
 N_GRAVITY = 4
 """Inertial numbers of a link that gravity acts on: its mass and first moments, which come first."""
@@ -68,6 +68,27 @@ def compute_regressors(
         np.concatenate([_weigh_torque(link) for link in links], axis=2),
         np.concatenate([np.stack([_weigh_lean(link, k) for k in range(2)], axis=2) for link in links], axis=3),
     )
+
+
+def compute_mass_matrices(arm: SimulatedArm, position: FloatArray, inertia: FloatArray) -> FloatArray:
+    """Mass matrices of the links, rotors left out [kg·m²].
+
+    Args:
+        arm: Kinematics.
+        position: [rad] or [m]. Shape (n, n_joints).
+        inertia: Ten numbers of each link. Shape (n_links, 10).
+
+    Returns:
+        Shape (n, n_joints, n_joints).
+    """
+    still, weights = np.zeros_like(position), inertia.ravel()
+    at_rest = compute_regressor(arm, position, still, still) @ weights
+    columns = []
+    for j in range(position.shape[1]):
+        one = still.copy()
+        one[:, j] = 1.0
+        columns.append(compute_regressor(arm, position, still, one) @ weights - at_rest)
+    return np.stack(columns, axis=2)
 
 
 def _weigh_torque(link: LinkMotion) -> FloatArray:

@@ -17,7 +17,14 @@ from .settings import EFFECT
 
 ComplexArray = NDArray[np.complex128]
 
-__all__ = ["Coupling", "Transmission", "compute_carried", "compute_uneven_running", "simulate_twist"]
+__all__ = [
+    "CarriedLoad",
+    "Coupling",
+    "Transmission",
+    "compute_carried",
+    "compute_twist",
+    "compute_uneven_running",
+]
 
 
 @dataclass(frozen=True)
@@ -90,32 +97,50 @@ class Coupling(NamedTuple):
         return (0.0, 0.0) if free else (elastic, self.damping)
 
 
+class CarriedLoad(NamedTuple):
+    """What hangs on the far side of a transmission, sample by sample. Shapes (n,).
+
+    Attributes:
+        inertia: J_l [kg·m²].
+        gravity: All torque on the load at the motor's position that is not its own acceleration's [N·m].
+        gradient: The derivative of that by the position [N·m/rad].
+    """
+
+    inertia: FloatArray
+    gravity: FloatArray
+    gradient: FloatArray
+
+
 @compile_kernel
-def simulate_twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, settings: np.ndarray) -> np.ndarray:
+def simulate_twist(
+    position: np.ndarray, inertia: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, settings: np.ndarray
+) -> np.ndarray:
     """Motor less load position when the motor side moves as recorded [rad]. Shape (n,).
 
         J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta),  s = q - theta,  d = s outside of the gap
 
     Args:
         position: Motor-side position q [rad]. Shape (n,).
+        inertia: Of the load [kg·m²]. Shape (n,).
         gravity: Gravity torque on a load at q [N·m]. Shape (n,).
         gradient: Its derivative by the position [N·m/rad]. Shape (n,).
-        settings: dt [s], substeps, load inertia, K, c, half gap [rad], h [1/(N·m)²].
+        settings: dt [s], substeps, K, c, half gap [rad], h [1/(N·m)²].
     """
     out = np.empty_like(position)
     substeps = int(settings[1])
     h = settings[0] / substeps
-    inertia, stiffness, damping, half, cubic = settings[2], settings[3], settings[4], settings[5], settings[6]
+    stiffness, damping, half, cubic = settings[2], settings[3], settings[4], settings[5]
     n = position.shape[0]
     theta = position[0] - gravity[0] / stiffness - (half if gravity[0] >= 0.0 else -half)
     # The load begins with the mean velocity of the first samples, which the encoder's steps do not reach.
     w = (position[min(8, n - 1)] - position[0]) / (min(8, n - 1) * settings[0])
-    push = h / inertia
     for k in range(n):
+        push = h / inertia[k]
         speed = (position[min(k + 1, n - 1)] - position[k]) / settings[0]
         out[k] = position[k] - theta
         for i in range(substeps):
-            s = position[k] + speed * h * (i + 0.5) - theta
+            # Where the load is known, and half a step before and after that its rate: any other place is a delay.
+            s = position[k] + speed * h * i - theta
             # Every sum waits for the last one, so a spring without a gap does without those for the gap.
             stretch = s if half == 0.0 else s - min(max(s, -half), half)
             torque = 0.0
@@ -138,15 +163,29 @@ def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
     """
     t, q = transmission, context.position
     gravity, gradient = _compute_gravity(context)
-    frequency = np.sqrt(t.stiffness / t.inertia)
-    substeps = int(np.clip(np.ceil(frequency * context.dt / EFFECT.twist_substep), 1, EFFECT.most_substeps))
-    s = simulate_twist(q, gravity, gradient, np.array([context.dt, substeps, *t.build_coupling(context)]))
+    load = CarriedLoad(np.full(q.size, t.inertia), gravity, gradient)
+    s = compute_twist(q, context.dt, load, t.build_coupling(context))
     # A local cubic goes through four samples, so its curvature needs five.
     window = max(5, 2 * round(EFFECT.twist_window / context.dt / 2) + 1)
     curvature = np.convolve(s, _compute_curvature_weights(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
     result: FloatArray = -gradient * s - t.inertia * curvature
     return result
+
+
+def compute_twist(position: FloatArray, dt: float, load: CarriedLoad, coupling: Coupling) -> FloatArray:
+    """Motor less load position when the motor side moves as recorded [rad]. Shape (n,).
+
+    Args:
+        position: Of the motor side [rad]. Shape (n,).
+        dt: Time between samples [s].
+        load: What hangs on it.
+        coupling: How; its inertia is that of `load`.
+    """
+    frequency = np.sqrt(coupling.stiffness / float(np.min(load.inertia)))
+    substeps = int(np.clip(np.ceil(frequency * dt / EFFECT.twist_substep), 1, EFFECT.most_substeps))
+    twist: FloatArray = simulate_twist(position, *load, np.array([dt, substeps, *coupling[1:]]))
+    return twist
 
 
 @cache

@@ -6,10 +6,10 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations, BoolArray
-from .fit import ArmFit
-from .friction import LOWEST_RIPPLE
-from .rows import ArmRows
+from ..equations import ArmEquations, BoolArray
+from ..fit import ArmFit
+from ..friction import LOWEST_RIPPLE
+from ..rows import ArmRows
 
 __all__ = ["RippleSearch", "propose_ripples"]
 

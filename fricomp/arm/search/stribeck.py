@@ -6,11 +6,11 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations
-from .fit import ArmFit, fit_arm
-from .friction import TERMS
-from .prior import ArmPrior
-from .rows import ArmRows
+from ..equations import ArmEquations
+from ..fit import ArmFit, fit_arm
+from ..friction import TERMS
+from ..prior import ArmPrior
+from ..rows import ArmRows
 
 __all__ = ["refine_stribeck"]
 
