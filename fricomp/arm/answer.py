@@ -33,6 +33,10 @@ _LEAST_FALL_OF_A_GAIN = 0.25
 with their models looks like it: on a real arm one joint gains a sixth by it. A delay shows in its own joint."""
 
 
+_LEAST_SHARE = 0.5
+"""Factor on a law that has none, from which it is nearer to the law than to nothing."""
+
+
 @dataclass(frozen=True)
 class TermEvidence:
     """What speaks for a term of a joint.
@@ -72,7 +76,8 @@ class ArmAnswer:
         if term not in EFFECTS or form.find_head(term) != term or self.evidence[joint, term].recurrence < RECURRENCE:
             return False
         fit, matters = self.identification.fit, self.evidence[joint, term].fall >= LEAST_FALL
-        return matters and _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
+        sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
+        return matters and sized and _is_whole(fit, joint, term)
 
     def list_named(self, joint: int) -> tuple[str, ...]:
         """Terms of a joint that are named, in the order in which they were taken in."""
@@ -85,6 +90,11 @@ def _has_value(term: str, variant: int) -> bool:
     exponent is the least of them is a curve of another kind."""
     ends = {"presliding_hysteresis": (0, len(TERMS[term].values) - 1), "power_law_viscous": (0,)}
     return variant not in ends.get(term, ())
+
+
+def _is_whole(fit: ArmFit, joint: int, term: str) -> bool:
+    """Whether a term whose law has no factor comes with one that is nearer to one than to none."""
+    return term != "backlash" or fit.friction(joint)[TERMS[term].names(0)[0]] > _LEAST_SHARE
 
 
 def _measure_size(fit: ArmFit, joint: int, term: str) -> float:

@@ -144,8 +144,8 @@ def _describe_effect(
         parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value), at_bound=ends)
     if term == "backlash":  # the factor on it is one
         width = float(found.equations.gaps[joint, 0])
-        ends = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
-        parameters = {"gap": Quantity(width, position, ends)}
+        around = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
+        parameters = {"gap": Quantity(width, position, around)}
     if term == "cogging":
         order = float(found.equations.ripple[joint])
         reach = float(np.ptp(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))

@@ -2,8 +2,8 @@
 
     M_jj s" = τ_l - K dz(s, gap) - c s',   torques of all joints change by -M_ij s"
 
-where s is what the motor leads the link by, and τ_l what the rigid gear would transmit [nordin2002]: the simulation of a
-single joint's gap, on what the arm's dynamics ask for. Its position is the motor's.
+where s is what the motor leads the link by, and τ_l what the rigid gear would transmit [nordin2002]: the simulation of
+a single joint's gap, on what the arm's dynamics ask for. The position is the motor's.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, compute_twist
 from fricomp.laws import FloatArray
@@ -43,7 +44,7 @@ _FIRST_STEPS = (2.0**0.5, 2.0, 2.0)
 """Ratios by which the width, the stiffness and the damping are first moved."""
 
 _EVIDENCE = 6.0
-"""By how much a gap must be more probable than teeth of the same kind that always touch: half a difference of squares."""
+"""By how much a gap must be more probable than teeth that always touch: half a difference of weighted squares."""
 
 _TURNS = 2
 """Least changes of sign of the transmitted torque: a gear that is always pulled one way does not show its gap."""
@@ -53,6 +54,9 @@ _HALF_CHI_SQUARE, _WIDTH_STEP, _WIDEST = 1.92, 1.02, 2.0
 
 _TEETH_POWER = 0.5
 """Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
+
+_RANK = 1e-6
+"""Part of the largest singular value below which a direction of a joint's columns is rounding."""
 
 _UNKNOWN = 1.0
 """[s] from the start of a part in which nothing is said: on which side of a gap a load began, and how it swung, is gone
@@ -194,8 +198,8 @@ class GapSearch:
         curvatures = []
         for k, ((position, _, __), (time, period)) in enumerate(zip(rows.motion, rows.clocks, strict=True)):
             here = rows.part == k
-            of_load = (np.interp(time, rows.time[here], one[here]) for one in (inertia, rest))
-            load = CarriedLoad(*of_load, np.zeros(time.size))
+            mass, torque = (np.interp(time, rows.time[here], one[here]) for one in (inertia, rest))
+            load = CarriedLoad(mass, torque, np.zeros(time.size))
             twist = compute_twist(np.ascontiguousarray(position[:, joint]), period, load, coupling)
             curvature = np.gradient(np.gradient(twist, period), period)
             curvature[time < time[0] + _UNKNOWN] = 0.0
@@ -237,10 +241,6 @@ class _Judge:
         return np.asarray(columns - self._base @ (self._base.T @ columns))
 
 
-_RANK = 1e-6
-"""Part of the largest singular value below which a direction of a joint's columns is rounding."""
-
-
 def _build_gap(inertia: float, width: float, rate: float, ratio: float) -> Gap:
     """Teeth on which a load of this inertia [kg·m²] swings at a rate [1/s], damped by a ratio."""
     return Gap(width, inertia * rate**2, 2.0 * ratio * inertia * rate)
@@ -253,7 +253,7 @@ def _list_moves(gap: Gap, power: float) -> Iterator[Gap]:
             yield gap._replace(**{gap._fields[k]: gap[k] * factor})
 
 
-def _interpolate(at: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
+def _interpolate(at: NDArray[np.intp], known: NDArray[np.intp], values: FloatArray) -> FloatArray:
     """Linear between rows that are known. Shapes (n,), (m,) and (m, n_joints, n_joints)."""
     after = np.clip(np.searchsorted(known, at), 1, len(known) - 1)
     part = ((at - known[after - 1]) / (known[after] - known[after - 1]))[:, None, None]

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from fricomp.arm.rigid.regressor import compute_regressor
+from fricomp.arm.rigid.regressor import compute_mass_matrices, compute_regressor
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import SimulationFileError
 
@@ -27,6 +27,21 @@ def test_torques_are_those_of_inverse_dynamics(tmp_path: Path) -> None:
         data.qpos[:3], data.qvel[:3], data.qacc[:3] = q[k], v[k], a[k]
         mujoco.mj_inverse(model, data)
         assert torques[k] == pytest.approx(data.qfrc_inverse[:3], abs=1e-10)
+
+
+def test_mass_matrices_are_those_of_the_links(tmp_path: Path) -> None:
+    path = write_arm(tmp_path)
+    arm = read_arm(path, JOINTS)
+    q = np.random.default_rng(2).normal(size=(10, 3))
+    model: Any = mujoco.MjModel.from_xml_path(str(path))
+    data: Any = mujoco.MjData(model)
+    matrices = compute_mass_matrices(arm, q, arm.inertia)
+    for k in range(10):
+        data.qpos[:3] = q[k]
+        mujoco.mj_forward(model, data)
+        full = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, full)
+        assert matrices[k] == pytest.approx(full[:3, :3], abs=1e-10)
 
 
 def test_joints_that_were_not_recorded_are_held_and_weigh_with_their_link(tmp_path: Path) -> None:

@@ -1,0 +1,89 @@
+"""Gaps in the gears of an arm: links that move otherwise than their motor, in all joints at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp import examine_arm as examine_log
+from fricomp.arm import ArmExamination, examine_arm
+from fricomp.arm.coordinates import ArmModel, Coordinates
+from fricomp.arm.friction import PLAIN, JointForm
+from fricomp.arm.physics import is_physical
+from fricomp.sim_bench.cases.arm import ArmSpec, generate_arm, write_arm_case
+
+from .moving_arm import record_arm, write_arm
+from .test_examination import names_of
+
+
+@pytest.fixture(scope="module")
+def healthy(tmp_path_factory: pytest.TempPathFactory) -> ArmExamination:
+    simulation = write_arm(tmp_path_factory.mktemp("healthy"))
+    return examine_arm(record_arm(simulation, duration=20.0), simulation)
+
+
+def test_no_gap_is_found_where_none_is(healthy: ArmExamination) -> None:
+    assert names_of(healthy.record) == {"shoulder": [], "elbow": [], "wrist": []}
+    assert all("backlash" not in form.names for form in healthy.answer.identification.fit.model.forms)
+
+
+def test_a_gap_acts_in_all_joints_by_one_parameter(healthy: ArmExamination) -> None:
+    found = healthy.answer.identification
+    arm, equations, n = found.fit.arm, found.equations, len(found.rows)
+    rng = np.random.default_rng(0)
+    torques = rng.normal(size=(n, 3, 3))
+    equations = equations.with_gaps(np.tile([1e-3, 1e4, 10.0], (3, 1)), torques)
+    model = ArmModel((JointForm((("backlash", 0),)), JointForm(), JointForm((("backlash", 0),))))
+    coordinates = Coordinates(arm, model)
+    x = coordinates.take_over(found.fit.model, found.fit.x, np.zeros(coordinates.size))
+    fit = replace(found.fit, model=model, x=x)
+    for joint in (0, 2):
+        at = fit.find_friction(joint)[0].start + len(PLAIN)
+        moved = replace(fit, x=x + np.eye(x.size)[at])
+        change = fit.residuals(equations) - moved.residuals(equations)
+        assert change == pytest.approx(torques[:, :, joint])
+
+
+def test_slopes_of_gaps_are_those_of_the_squares(healthy: ArmExamination) -> None:
+    found = healthy.answer.identification
+    torques = np.random.default_rng(1).normal(size=(len(found.rows), 3, 3))
+    equations = found.equations.with_gaps(np.tile([1e-3, 1e4, 10.0], (3, 1)), torques)
+    model = ArmModel(tuple(JointForm((("backlash", 0),)) for _ in range(3)))
+    coordinates = Coordinates(found.fit.arm, model)
+    x = coordinates.take_over(found.fit.model, found.fit.x, np.zeros(coordinates.size))
+    seen = coordinates.linearise(equations, x)
+    for place in coordinates.places:
+        step = np.zeros_like(x)
+        step[place.stop - 1] = 1e-3
+        there, back = (coordinates.measure_cost(equations, x + sign * step) for sign in (1.0, -1.0))
+        assert seen.pull[place.stop - 1] == pytest.approx(-(there - back) / 4e-3, rel=1e-5)
+        assert seen.curvature[place.stop - 1, place.stop - 1] == pytest.approx(
+            (there + back - 2.0 * seen.cost) / 2e-6, rel=1e-4
+        )
+
+
+def test_what_could_not_exist_before_speaks_against_no_term(healthy: ArmExamination) -> None:
+    fit = healthy.answer.identification.fit
+    x = fit.x.copy()
+    x[fit.find_friction(1)[0].start + PLAIN.index("coulomb")] = -5.0
+    below = replace(fit, x=x)
+    assert is_physical(fit)
+    assert not is_physical(below)
+    assert not is_physical(below, fit)
+    assert is_physical(below, below)
+
+
+@pytest.mark.slow
+def test_a_gap_is_named_with_its_width(tmp_path: Path) -> None:
+    """The arm is simulated by code that shares nothing with its examination."""
+    case = generate_arm(ArmSpec(seed=11, effects=(("elbow", "backlash"),), wrong_links=1, duration=40.0))
+    folder = write_arm_case(case, tmp_path)
+    record = examine_log(folder / "log", folder / "arm.xml").record
+    (truth,) = case.effects
+    assert truth.enr > 0.5
+    assert [name for names in names_of(record).values() for name in names] == ["backlash"]
+    (effect,) = next(joint.effects for joint in record.joints if joint.name == "elbow")
+    assert effect.parameters["gap"].value == pytest.approx(truth.change.truth["gap"], rel=0.1)
