@@ -35,5 +35,5 @@ def test_an_identification_that_is_killed_is_repeated_as_it_was_called(warm: War
 @pytest.mark.parametrize("name", ["calibrate", "diagnose"])
 def test_what_a_kill_leaves_is_gone_on_with(name: str, warm: WarmProcess, tmp_path: Path) -> None:
     _, lefts = keep_leftovers(warm, name, tmp_path)
-    for share in SHARES:
+    for share in SHARES if name == "calibrate" else SHARES[1:]:  # a diagnosis writes at its end alone
         repeat_on(warm, name, tmp_path, lefts[round(share * len(lefts))])

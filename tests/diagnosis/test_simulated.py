@@ -55,9 +55,19 @@ def _simulated(**changes: Any) -> Recording:
     return simulated(replace(_SIMULATED, **changes), "rests", duration=_SECONDS)
 
 
+@pytest.fixture(scope="module")
+def known() -> SimulatedJoint:
+    """What is read off the recording of the simulation, once."""
+    return read_simulated(_simulated(), [_real()])
+
+
+@pytest.fixture
+def is_known(known: SimulatedJoint, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fricomp.diagnosis.simulated.read_simulated", lambda *_, **__: known)
+
+
 @pytest.mark.slow
-def test_a_simulation_is_read_from_a_recording_without_noise() -> None:
-    known = read_simulated(_simulated(), [_real()])
+def test_a_simulation_is_read_from_a_recording_without_noise(known: SimulatedJoint) -> None:
     assert known.effects == ()
     assert known.noise_ratio is None
     assert known.remarks == ()
@@ -69,6 +79,7 @@ def test_a_simulation_is_read_from_a_recording_without_noise() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("is_known")
 def test_a_joint_like_its_simulation_agrees_with_it_and_other_friction_is_listed() -> None:
     found = diagnose_against(_real(level=2.2), _simulated())
     assert found.verdict == "consistent", found.sentences
@@ -79,6 +90,7 @@ def test_a_joint_like_its_simulation_agrees_with_it_and_other_friction_is_listed
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("is_known")
 def test_another_load_is_a_parameter() -> None:
     found = diagnose_against(_real(mass=2.4), _simulated())
     assert found.verdict == "parameters", found.sentences
@@ -88,10 +100,15 @@ def test_another_load_is_a_parameter() -> None:
 
 
 @pytest.mark.slow
-def test_what_the_simulation_lacks_is_named_and_what_it_has_is_not() -> None:
+@pytest.mark.usefixtures("is_known")
+def test_what_the_simulation_lacks_is_named() -> None:
     missing = diagnose_against(_real(cogging=0.6), _simulated())
     assert missing.verdict == "missing_physics", missing.sentences
     assert [effect.name for effect in missing.effects] == ["cogging"]
+
+
+@pytest.mark.slow
+def test_what_the_simulation_has_as_well_is_not_missing() -> None:
     with_cogging = simulated(replace(_REAL, cogging=0.6), "rests", duration=_SECONDS)
     both = diagnose_against(_real(cogging=0.6), with_cogging)
     assert both.verdict == "consistent", both.sentences

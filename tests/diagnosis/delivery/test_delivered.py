@@ -30,7 +30,7 @@ class Delivered(NamedTuple):
 
 @pytest.fixture(scope="module", params=KINDS)
 def delivered(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Delivered:
-    made, folder = make_joint(request.param, duration=20.0), tmp_path_factory.mktemp(request.param)
+    made, folder = make_joint(request.param, duration=15.0), tmp_path_factory.mktemp(request.param)
     found = diagnose(Recording(made.time, made.position, made.torque))
     write_diagnosis(found, folder)
     return Delivered(request.param, made, found, folder, json.loads((folder / "diagnosis.json").read_text()))
