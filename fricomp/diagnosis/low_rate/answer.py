@@ -175,12 +175,6 @@ def _choose(base: Fitted, motion: RecordedMotion, period: float) -> _Found:
         fits.append(_refine_delay(fit.model, motion, period, about))
 
 
-SLOW_READINGS = (
-    "No effect was looked for: the position is read more slowly than the rows of the recording come, and only a plain "
-    "joint was fitted."
-)
-"""Opening where readings are late by parts of their own period."""
-
 _SMALL = "it lowers the error on data left out by too little, or not in most blocks of time"
 
 
