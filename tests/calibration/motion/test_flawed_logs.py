@@ -9,6 +9,9 @@ import pytest
 from fricomp.sim_bench.studies.logs.flaws import FLAWS
 from fricomp.sim_bench.studies.logs.trial import Trial, list_cases, try_case
 
+PAIRS = [(one, other) for (i, one), (j, other) in combinations(enumerate(FLAWS), 2) if (i + j) % 3 == 0]
+"""Every flaw beside six or seven others; `fricomp bench logs` has all pairs."""
+
 
 def _assert_good(trial: Trial) -> None:
     assert trial.is_good, trial
@@ -20,7 +23,7 @@ def test_a_flaw_leaves_the_right_friction_or_is_named(flaw: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pair", list(combinations(FLAWS, 2))[::3], ids="+".join)
+@pytest.mark.parametrize("pair", PAIRS, ids="+".join)
 def test_two_flaws_leave_the_right_friction_or_one_is_named(pair: tuple[str, str]) -> None:
     _assert_good(try_case(pair, 400.0, 22))
 
