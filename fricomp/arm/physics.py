@@ -27,6 +27,7 @@ _POSITIVE: tuple[Mapping[str, float], ...] = (
     {"spring_torque.stiffness": 1.0},
     {"power_law_viscous.torque_at_top_speed": 1.0},
     {"backlash.share": 1.0},
+    {"torque_delay.delay": 1.0},  # or it would be recorded before it acts
 )
 """Weighted sums of a joint's parameters that are not below zero."""
 
