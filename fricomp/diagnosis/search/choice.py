@@ -49,7 +49,10 @@ def _is_idle(baseline: Baseline, larger: Explanation, tried: Sequence[Explanatio
 
 
 def _is_better(baseline: Baseline, larger: Explanation, best: Explanation, threshold: float) -> bool:
-    """Tell whether the further effects of a larger explanation add enough, where they can be seen."""
+    """Tell whether the further effects of a larger explanation add enough, where they can be seen.
+
+    What takes less than half of what is left over is no nearer to it than something unknown would be.
+    """
     shown = compute_evidence(baseline, set(larger.names) - set(best.names), best.fit, larger.fit)
     more = _weigh(larger) - _weigh(best)
     if _can_complete(baseline, larger, best, threshold):
@@ -60,6 +63,7 @@ def _is_better(baseline: Baseline, larger: Explanation, best: Explanation, thres
         more > _compute_worth(best, threshold)
         and (visible or more > max(SEARCH.overwhelming * threshold, SEARCH.overwhelming_share * best.gain))
         and larger.coverage > min(wider, SEARCH.enough)
+        and larger.left < max(threshold, SEARCH.further_left * best.left)
     ) or _is_apart(baseline, larger, best, threshold)
 
 

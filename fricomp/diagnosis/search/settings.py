@@ -33,6 +33,9 @@ class SearchSettings:
     """Coverage that one more effect must add while a generic basis sees something."""
     wider_share: float = 0.1
     """Part of what was not covered that is enough in its place."""
+    further_left: float = 0.5
+    """Part of what an explanation leaves that may be left beside further effects, unless it is below the threshold. In
+    joints whose effects are known they leave 0.3 at most; in real ones, what no form of theirs fits draws names."""
     untouched: float = 0.3
     """Noise of a row that the first effects add at most to rows which they hardly reach."""
     apart: float = 2.0

@@ -119,6 +119,16 @@ def test_a_faint_effect_beside_a_strong_one_must_complete_it(
     assert (choose(_PREPARED, [first, pair], 30.0) is pair) == named
 
 
+@pytest.mark.parametrize(("left", "named"), [(1700.0, False), (900.0, True)])
+def test_a_further_effect_takes_at_least_half_of_what_the_first_one_leaves(left: float, named: bool) -> None:
+    """A stop beside a ripple of six orders, of which the model has one: no more of it is a stop than is not."""
+    before, after = np.full(_ROWS, 3.0), np.full(_ROWS, 2.0)
+    ripple = known(("cogging",), 13_900.0, before, left=2700.0, coverage=0.84)
+    pair = known(("cogging", "end_stop"), 15_700.0, after, left=left, coverage=0.9)
+    # Both reach all rows: no part of the further effect stands apart.
+    assert (choose(_PREPARED, [ripple, pair], 50.0) is pair) == named
+
+
 @pytest.mark.parametrize(
     ("before", "after", "further", "named"),
     [
