@@ -299,6 +299,7 @@ def test_what_is_left_must_matter_beside_the_friction(noise: float, unknown: boo
     assert left == pytest.approx(np.sqrt(3.0) * noise)
     assert share == pytest.approx(left / PLANT.level)
     assert stands_out(known_search(best=False), quiet) == unknown
+    assert stands_out(known_search(best=False), quiet, covered=True)  # effects of the catalogue cover it
 
 
 def test_beside_no_friction_at_all_everything_that_is_left_matters() -> None:

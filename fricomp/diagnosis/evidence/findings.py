@@ -139,7 +139,8 @@ def collect_findings(case: Case) -> Findings:
     trial = put_to_trial(baseline, found, case.seed)
     chosen = trial.chosen
     tone = find_vibration(baseline) if chosen is None and matters(baseline) else None
-    unknown = chosen is None and (tone is not None or stands_out(found, baseline))
+    covered = trial.failed is not None
+    unknown = chosen is None and (tone is not None or stands_out(found, baseline, covered=covered))
     refitted = RefittedJoint.refit(baseline, chosen)
     comparison = compare_given(case, refitted, _choose_tolerances(baseline, trial, unknown))
     names = [shift.name for shift in comparison.shifts]

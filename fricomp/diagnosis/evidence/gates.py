@@ -51,11 +51,18 @@ def find_vibration(baseline: Baseline) -> Tone | None:
     return tone if tone.energy > GATES.tone * tone.energy_null and tone.share > GATES.alone else None
 
 
-def stands_out(found: SearchResult, baseline: Baseline) -> bool:
+def stands_out(found: SearchResult, baseline: Baseline, *, covered: bool = False) -> bool:
     """Whether something is missing that matters and that no accepted effect covers: it is smooth, or swings as no
-    noise does."""
+    noise does.
+
+    Args:
+        found: What the search found.
+        baseline: The base fitted to the recordings, with its nulls.
+        covered: Whether effects of the catalogue cover it that lack something else for their names. What they cover is
+            physics, however small, and no trace of an encoder.
+    """
     rows, ratio = baseline.fit.residual.size, baseline.noise_ratio
-    if not matters(baseline):
+    if not covered and not matters(baseline):
         return False
     if baseline.structured and ratio > GATES.swinging:
         return True
