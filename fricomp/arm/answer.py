@@ -86,9 +86,10 @@ class ArmAnswer:
 
 
 def _has_value(term: str, variant: int) -> bool:
-    """Whether a variant lies within what was tried. A bristle at either end of that has no distance, and a drag whose
-    exponent is the least of them is a curve of another kind."""
-    ends = {"presliding_hysteresis": (0, len(TERMS[term].values) - 1), "power_law_viscous": (0,)}
+    """Whether a variant lies within what was tried. A bristle whose interval, from the distance below to that above,
+    holds either end of that has no distance, and a drag whose exponent is the least is a curve of another kind."""
+    last = len(TERMS[term].values) - 1
+    ends = {"presliding_hysteresis": (0, 1, last - 1, last), "power_law_viscous": (0,)}
     return variant not in ends.get(term, ())
 
 

@@ -55,8 +55,8 @@ fits best."""
 LEAST_STRIBECK, MOST_STRIBECK = 0.01, 0.6
 """Of a joint's top speed, between which a Stribeck velocity lies: below, no row shows it; above, it is drag."""
 
-_BREAKAWAY = tuple(0.5e-3 * 2.0 ** (0.5 * k) for k in range(11))
-"""Breakaway distances to choose from [rad] or [m], up to 16 mrad. With steps of two, a bristle between them came as
+_BREAKAWAY = tuple(0.5e-3 * 2.0 ** (0.5 * k) for k in range(12))
+"""Breakaway distances to choose from [rad] or [m], up to 23 mrad. With steps of two, a bristle between them came as
 part of the Coulomb torque at the next one, and the rest of it as what else bends about a reversal."""
 
 _EXPONENTS = (0.35, 0.5, 0.6, 0.7, 0.8, 0.9)
