@@ -354,7 +354,7 @@ def test_load_is_that_of_the_joint_that_was_found_and_of_what_it_carries(context
 def test_a_ripple_whose_order_went_to_its_bound_is_none(name: str, context: Context) -> None:
     effect = EFFECTS[name]
     (order,) = (p for p in effect.list_parameters([context]) if p.name == "order")
-    values = {p.name: 0.1 for p in effect.list_parameters([context])}
+    values = {p.name: 0.01 for p in effect.list_parameters([context])}
     assert effect.refuse(values | {"order": order.lower}, [context])
     assert effect.refuse(values | {"order": 1.1 * order.lower}, [context]) is None
 

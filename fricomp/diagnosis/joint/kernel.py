@@ -137,7 +137,7 @@ def _shorten(state: np.ndarray, h: float, before: float) -> float:
 
     Where viscous friction stops the joint within a substep, that half must be the substep's own, not the last one's:
     the joint gives way by a part of what it would, and keeps the rest of its last change (the trapezoidal rule, stable
-    for any friction).
+    for any friction). Friction behind a longer low pass hardly follows within a substep.
     """
     for j in range(state.shape[1]):
         lag = state[_LAG, j]
@@ -145,7 +145,8 @@ def _shorten(state: np.ndarray, h: float, before: float) -> float:
         if lag > 0.0:
             state[_KEEP, j] = np.exp(-h / lag)
             state[_AHEAD, j] = 0.5 + 1.0 / np.expm1(h / lag) - lag / h
-        half = 0.5 * h * state[_MOBILITY, j] * (1.0 - state[_KEEP, j])
+        follows = 1.0 - state[_KEEP, j] if lag < h else 0.0
+        half = 0.5 * h * state[_MOBILITY, j] * follows
         state[_GIVE, j] = 1.0 / (1.0 + half * state[_VISCOUS, j])
         state[_GIVE_REVERSE, j] = 1.0 / (1.0 + half * state[_VISCOUS + _REVERSE, j])
         if before > 0.0:
