@@ -86,7 +86,7 @@ def test_at_least_eight_effects_are_outside_the_catalogue() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EFFECTS)
 def test_an_effect_has_the_wanted_strength_or_its_limit(name: str) -> None:
-    case = generate(_spec(name, seed=21, duration=10.0))
+    case = generate(_spec(name, seed=21))
     only, (_, high) = case.concealed[0], EFFECTS[name].typical(case.scene)
     # A limited rate acts only where it is reached, so its strength jumps over the wanted one as the limit tightens.
     tolerance = 0.25 if name == "torque_rate_limit" else 0.06
