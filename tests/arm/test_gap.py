@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -82,6 +83,7 @@ def test_a_gap_is_named_with_its_width(tmp_path: Path) -> None:
     case = generate_arm(ArmSpec(seed=11, effects=(("elbow", "backlash"),), wrong_links=1, duration=40.0))
     folder = write_arm_case(case, tmp_path)
     record = examine_log(folder / "log", folder / "arm.xml").record
+    assert b'"backlash"' in msgspec.json.encode(record)  # plain numbers, which the file can hold
     (truth,) = case.effects
     assert truth.enr > 0.5
     assert [name for names in names_of(record).values() for name in names] == ["backlash"]

@@ -162,7 +162,8 @@ class GapSearch:
             fit: Of these equations.
             joint: Number of the joint.
         """
-        judge, gap = _Judge(equations, fit, joint, fit.residuals(equations)[:, joint]), Gap(*equations.gaps[joint])
+        judge = _Judge(equations, fit, joint, fit.residuals(equations)[:, joint])
+        gap = Gap(*equations.gaps[joint].tolist())
         least = self._measure(judge, joint, gap).gain - _HALF_CHI_SQUARE
         return self._find_end(judge, joint, gap, (least, 1.0 / _WIDTH_STEP)), self._find_end(
             judge, joint, gap, (least, _WIDTH_STEP)
