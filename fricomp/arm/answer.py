@@ -32,7 +32,6 @@ _LEAST_FALL_OF_A_GAIN = 0.25
 """The same of the scale of one joint's torque. It is known only by comparison with other joints, so that what is wrong
 with their models looks like it: on a real arm one joint gains a sixth by it. A delay shows in its own joint."""
 
-
 _LEAST_SHARE = 0.5
 """Factor on a law that has none, from which it is nearer to the law than to nothing."""
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .equations import N_LAST, ArmEquations, EquationSums, find_reached
+from .equations import N_LAST, ArmEquations, EquationSums, count_columns, find_reached
 from .friction import PLAIN, TERMS, JointForm, column_names
 from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
@@ -112,7 +112,7 @@ class Coordinates:
         first = self.n_inertial + 1
         sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(form.columns) for form in model.forms)])
         self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
-        self.size, self.width = int(sizes[-1]) + N_LAST, first + len(_NUMBERS) + len(arm.joints) - 1 + N_LAST
+        self.size, self.width = int(sizes[-1]) + N_LAST, count_columns(first, len(arm.joints))
         felt = [self._list_felt(j, first) for j in range(len(arm.joints))]
         self.columns = [np.array([column for _, column in pairs]) for pairs in felt]
         self.felt = [np.array([at for at, _ in pairs]) for pairs in felt]

@@ -36,7 +36,16 @@ from .rows import ArmRows
 
 BoolArray = NDArray[np.bool_]
 
-__all__ = ["N_LAST", "ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equations", "find_reached"]
+__all__ = [
+    "N_LAST",
+    "ArmEquations",
+    "BoolArray",
+    "EquationSums",
+    "Weights",
+    "build_equations",
+    "count_columns",
+    "find_reached",
+]
 
 N_LAST = 4
 """Columns behind those of friction: of gravity that leans over along two level axes, the torque's rate, the torque."""
@@ -215,7 +224,7 @@ class ArmEquations:
     @property
     def _friction(self) -> int:
         """Number of the first column of friction."""
-        return int(self.columns.shape[2]) - N_LAST - (int(self.columns.shape[0]) - 1) - len(column_names())
+        return int(self.columns.shape[2]) - count_columns(0, int(self.columns.shape[0]))
 
 
 @dataclass(frozen=True)
@@ -244,6 +253,11 @@ class EquationSums:
         )
 
 
+def count_columns(friction: int, n_joints: int) -> int:
+    """Columns of each joint, of which that many stand before those of friction."""
+    return friction + len(column_names()) + n_joints - 1 + N_LAST
+
+
 def find_reached(friction: int, joint: int, other: int, n_joints: int) -> int:
     """Number of the column by which what is in another joint's gear acts in this one: behind all of its friction.
 
@@ -269,10 +283,9 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     speed = np.abs(rows.compare(lambda _, v, __: v))
     top = np.maximum(np.quantile(speed, 0.99, axis=0), 1e-9)
     n = len(arm.joints)
-    size = rows.links.shape[2] + 1 + len(column_names()) + (n - 1) + N_LAST
-    columns = np.zeros((n, len(rows), size))
-    place = find_columns("motion")
     first = rows.links.shape[2] + 1
+    columns = np.zeros((n, len(rows), count_columns(first, n)))
+    place = find_columns("motion")
     for j, one in enumerate(columns):
         one[:, : first - 1], one[:, first - 1] = rows.links[:, j], acceleration[:, j]
         known = plain_columns(rows, j) if plain else friction_columns(rows, j, float(top[j]))

@@ -143,7 +143,6 @@ class GapSearch:
 
     def _refine(self, judge: _Judge, joint: int, gap: Gap, rounds: int) -> _Tried:
         """Move one number at a time for as long as that explains more."""
-
         best = self._measure(judge, joint, gap)
         for k in range(_ROUNDS - rounds, _ROUNDS):
             for one in _list_moves(best.gap, 0.5**k):
@@ -164,14 +163,12 @@ class GapSearch:
         """
         judge = _Judge(equations, fit, joint, fit.residuals(equations)[:, joint])
         gap = Gap(*equations.gaps[joint].tolist())
-        least = self._measure(judge, joint, gap).gain - _HALF_CHI_SQUARE
-        return self._find_end(judge, joint, gap, (least, 1.0 / _WIDTH_STEP)), self._find_end(
-            judge, joint, gap, (least, _WIDTH_STEP)
-        )
+        best = self._measure(judge, joint, gap)
+        return self._find_end(judge, joint, best, 1.0 / _WIDTH_STEP), self._find_end(judge, joint, best, _WIDTH_STEP)
 
-    def _find_end(self, judge: _Judge, joint: int, gap: Gap, step: tuple[float, float]) -> float:
-        """The first width that explains less than the least gain, on steps of a ratio, with the teeth that suit it."""
-        (least, ratio), now = step, _Tried(gap, np.inf)
+    def _find_end(self, judge: _Judge, joint: int, best: _Tried, ratio: float) -> float:
+        """The first width that explains less than the interval allows, on steps of a ratio, with teeth that suit it."""
+        gap, least, now = best.gap, best.gain - _HALF_CHI_SQUARE, best
         while now.gain >= least and 1.0 / _WIDEST < now.gap.width / gap.width < _WIDEST:
             wider = now.gap._replace(width=now.gap.width * ratio)
             around = [wider, *(one for one in _list_moves(wider, _TEETH_POWER) if one.width == wider.width)]
@@ -220,10 +217,8 @@ class _Judge:
             at = names.index(name)
             value, own = float(fit.x[place.start + at]), np.delete(own, at)
             left = left + value * equations.friction_of(joint, [name])[:, 0]
-        links, shared = (
-            np.arange(coordinates.n_inertial + 1),
-            np.arange(columns.shape[1] - N_LAST, columns.shape[1] - 1),
-        )
+        links = np.arange(coordinates.n_inertial + 1)
+        shared = np.arange(columns.shape[1] - N_LAST, columns.shape[1] - 1)
         weights = equations.weights
         self._root = np.sqrt(weights.rows[:, joint] / (weights.inflation[joint] * weights.noise[joint] ** 2))
         base = columns[:, np.concatenate([links, own, shared])] * self._root[:, None]
