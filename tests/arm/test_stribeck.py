@@ -64,6 +64,23 @@ def test_intervals_go_over_all_curves_that_are_nearly_as_probable(curved: ArmExa
         assert high - low > 2.0 * 1.9 * alone
 
 
+def test_intervals_hold_the_truth_beside_a_curve_that_is_too_small_to_be_taken_in(tmp_path: Path) -> None:
+    """An excess of a hundredth is none to the fit, whose Coulomb and viscous friction are off by many deviations."""
+    simulation = write_arm(tmp_path)
+    series = record_arm(simulation, lambda _, __, v, ___: 0.01 * np.exp(-((v / 0.5) ** 2)) * np.sign(v), noise=0.02)
+    examined = examine_arm(series, simulation)
+    fit = examined.answer.identification.fit
+    deviation = np.sqrt(np.diag(fit.covariance))
+    for joint, form in enumerate(fit.model.forms[:2]):
+        assert "stribeck" not in form.names
+        first = fit.find_friction(joint)[0].start
+        for at, name, truth in ((first, "coulomb", _LEVELS[joint]), (first + 2, "viscous", _SLOPES[joint])):
+            low, high = examined.record.joints[joint].friction[name].ci95
+            assert abs(fit.x[at] - truth) > 4.0 * deviation[at]
+            assert low < truth < high
+            assert high - low < 0.1 * truth
+
+
 def test_a_glance_solves_what_it_weighs(curved: ArmExamination) -> None:
     found = curved.answer.identification
     solved = Glance(found.equations, found.fit, found.prior).solve(found.fit.model)

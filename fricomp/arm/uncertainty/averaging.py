@@ -1,17 +1,20 @@
 """Intervals over models that the recording does not tell apart.
 
-Of friction over the curves that a joint may have: which Stribeck velocity, if any, is known only so well.
+Of friction over the curves that a joint may have. Coulomb and viscous friction are what a curve goes over into, and
+each curve has its own. An interval beside one of them says how well it is known if that is the curve; here all count by
+how probable they make the recording [hoeting1999], and none is narrower than beside the curve that was taken. No curve
+is one with an excess of zero, and nobody knows that a joint has exactly that: beside no curve at all, an excess too
+small to be taken in moves Coulomb and viscous friction by several of their deviations.
 
-Coulomb and viscous friction are what a curve goes over into, and each curve has its own. An interval beside one of them
-says how well it is known if that is the curve; here all curves count by how probable they make the recording
-[hoeting1999], and none is narrower than beside the curve that was taken. Of links over what was not taken in and is not
-improbable: another link that is far off, or a spring, moves what they weigh.
+Of links over what was not taken in and is not improbable: another link that is far off, or a spring, moves what they
+weigh.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -36,8 +39,11 @@ _TAIL = 0.025
 _POSITIVE = ("coulomb", "viscous")
 """Of `PLAIN`, what no joint has less than none of."""
 
-_NEGATIVE = -2.0
-"""Standard deviations below zero from which an excess is no Stribeck effect."""
+_EXCESSES = 40
+"""Steps in which an excess is averaged over; twice as many move no end by a thousandth of its interval."""
+
+_LEAST_ABOVE = 1e-300
+"""Least probability of an excess above zero that is computed with."""
 
 _SHOWN = 4
 """Numbers of a link whose intervals are told: its mass and its first moments."""
@@ -92,42 +98,66 @@ def _measure_links(fit: ArmFit) -> tuple[FloatArray, FloatArray]:
 
 
 def _average_joint(glance: Glance, fit: ArmFit, wider: FloatArray, joint: int) -> dict[str, Interval]:
-    solved = [glance.solve(model) for model in _propose(fit.model, joint)]
-    solved = [one for one in solved if _has_excess(one, joint)]
-    evidence = np.array([one.log_evidence for one in solved])
-    weights = np.exp(evidence - evidence.max())
+    first = fit.find_friction(joint)[0].start
+    owns = range(first, first + len(PLAIN))
+    curves = _mix_curves(glance, fit.model, joint, float(np.max(wider[owns])))
+    half = float(norm.ppf(1.0 - _TAIL)) * np.sqrt(np.diag(fit.covariance))
     result = {}
-    for name in PLAIN:
-        at = [one.find_friction(joint)[0].start + PLAIN.index(name) for one in solved]
-        mean = np.array([one.x[k] for one, k in zip(solved, at, strict=True)])
-        spread = np.sqrt([one.covariance[k, k] for one, k in zip(solved, at, strict=True)])
-        own = fit.find_friction(joint)[0].start + PLAIN.index(name)
-        low, high = _find_interval(mean, spread * wider[own], weights / weights.sum())
-        half = float(norm.ppf(1.0 - _TAIL) * np.sqrt(fit.covariance[own, own]))
-        ends = min(low, float(fit.x[own]) - half), max(high, float(fit.x[own]) + half)
+    for k, (name, own) in enumerate(zip(PLAIN, owns, strict=True)):
+        low, high = _find_interval(curves.mean[:, k], curves.spread[:, k], curves.weights)
+        ends = min(low, float(fit.x[own] - half[own])), max(high, float(fit.x[own] + half[own]))
         if (joint, name) in fit.model.pinned:
             ends = min(ends[0], 0.0), max(ends[1], 0.5 * (high - low))
         result[name] = (max(ends[0], 0.0), max(ends[1], 0.0)) if name in _POSITIVE else ends
     return result
 
 
-def _propose(model: ArmModel, joint: int) -> Iterator[ArmModel]:
-    """The model with every Stribeck curve in one joint, and with none."""
-    forms = list(model.forms)
+class _Mixture(NamedTuple):
+    """What `PLAIN` lists beside each curve: normal distributions, and how probable each is.
+
+    Attributes:
+        weights: Shape (n,).
+        mean: Shape (n, 4).
+        spread: Standard deviations. Shape (n, 4).
+    """
+
+    weights: FloatArray
+    mean: FloatArray
+    spread: FloatArray
+
+
+def _mix_curves(glance: Glance, model: ArmModel, joint: int, wider: float) -> _Mixture:
+    """All Stribeck curves of one joint: of every velocity, and of every excess that is not below zero.
+
+    The posterior of an excess is a normal distribution that is cut off at zero; steps of even probability stand for it.
+    """
+    steps = (np.arange(_EXCESSES) + 0.5) / _EXCESSES
+    evidence, mean, spread = [], [], []
+    for one, at in _solve_curves(glance, model, joint):
+        first = one.find_friction(joint)[0].start
+        plain = slice(first, first + len(PLAIN))
+        excess = wider * float(np.sqrt(one.covariance[at, at]))
+        above = max(float(norm.cdf(one.x[at] / excess)), _LEAST_ABOVE)
+        along = wider**2 * one.covariance[plain, at] / excess
+        rest = np.sqrt(np.maximum(wider**2 * np.diag(one.covariance)[plain] - along**2, 0.0))
+        evidence.append(np.full(_EXCESSES, one.log_evidence + np.log(above)))
+        mean.append(one.x[plain] + np.outer(norm.isf(above * steps), along))
+        spread.append(np.tile(rest, (_EXCESSES, 1)))
+    logarithms = np.concatenate(evidence)
+    weights = np.exp(logarithms - logarithms.max())
+    return _Mixture(weights / weights.sum(), np.concatenate(mean), np.concatenate(spread))
+
+
+def _solve_curves(glance: Glance, model: ArmModel, joint: int) -> Iterator[tuple[ArmFit, int]]:
+    """Fits with each Stribeck velocity in one joint, and the place of the excess; the velocities stand still."""
+    forms, pinned = list(model.forms), frozenset(one for one in model.pinned if one[0] != joint)
     plain = forms[joint].without_term("stribeck")
-    free = frozenset(one for one in model.pinned if one[0] != joint)
-    for form in (plain, *(plain.with_term("stribeck", k) for k in range(len(TERMS["stribeck"].values)))):
-        forms[joint] = form
-        yield replace(model, forms=tuple(forms), pinned=free)
-
-
-def _has_excess(fit: ArmFit, joint: int) -> bool:
-    variant = dict(fit.model.forms[joint].terms).get("stribeck")
-    if variant is None:
-        return True
-    place, names = fit.find_friction(joint)
-    at = place.start + names.index(TERMS["stribeck"].names(variant)[0])
-    return float(fit.x[at]) > _NEGATIVE * float(np.sqrt(fit.covariance[at, at]))
+    for k in range(len(TERMS["stribeck"].values)):
+        excess, _, width = TERMS["stribeck"].names(k)
+        forms[joint] = plain.with_term("stribeck", k)
+        one = glance.solve(replace(model, forms=tuple(forms), pinned=pinned | {(joint, width)}))
+        place, names = one.find_friction(joint)
+        yield one, place.start + names.index(excess)
 
 
 def _find_interval(mean: FloatArray, spread: FloatArray, weights: FloatArray) -> Interval:
