@@ -83,8 +83,9 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
         box: Domain of the base parameters.
         top_speed: Largest speed of the recorded motion [rad/s].
     """
-    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     starts, boxes = zip(*propose_creep_starts(fit.theta, box, top_speed), strict=True)
+    problem = problem.cut_samples_for(unpack(starts[0]))  # no bristle asks for short steps
+    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     race = Race(JOINT.hopeless_cost * fit.cost, JOINT.hopeless_cost * fit.cost)
     descents = [
         descend(start, free, iterations=JOINT.creep_steps, refresh=2, race=race)
@@ -92,7 +93,8 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     ]
     fits = run_together(descents, split_evaluation(evaluate))
     best, free = min(zip(fits, boxes, strict=True), key=lambda one: one[0].cost)
-    return (fit_base(problem, best.theta, free), free) if best.cost < JOINT.hopeless_cost * fit.cost else None
+    faded = unpack(best.theta).level < JOINT.faded_level * unpack(fit.theta).level
+    return None if faded or best.cost >= JOINT.hopeless_cost * fit.cost else (fit_base(problem, best.theta, free), free)
 
 
 def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:

@@ -77,7 +77,8 @@ _X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 24, 25, 26, 27, 28, 29, 30, 
 _Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 32, 33, 34, 35, 36, 37, 38, 39
 _RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP = 40, 41, 42, 43, 44, 45, 46
 _Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _CHANGE, _AHEAD, _GIVE, _GIVE_REVERSE = 47, 48, 49, 50, 51, 52, 53, 54
-_N_STATE = 55
+_REST, _REST_REVERSE, _DAMPING = 55, 56, 57
+_N_STATE = 58
 
 
 def compile_kernel(function: _F) -> _F:
@@ -136,19 +137,23 @@ def _shorten(state: np.ndarray, h: float, before: float) -> float:
     A low pass that takes the velocity for held since the last substep is ahead already, the more the longer its lag.
 
     Where viscous friction stops the joint within a substep, that half must be the substep's own, not the last one's:
-    the joint gives way by a part of what it would, and keeps the rest of its last change (the trapezoidal rule, stable
-    for any friction). Friction behind a longer low pass hardly follows within a substep.
+    the joint gives way by the part of what it would that is exact for a steady torque, and the half that was
+    extrapolated is given back, so that no friction is too large for a substep. Friction behind a longer low pass hardly
+    follows within a substep. The damping of a bristle that sticks acts likewise.
     """
     for j in range(state.shape[1]):
+        stops = h * state[_MOBILITY, j] * state[_SIGMA_1, j]
+        state[_DAMPING, j] = state[_SIGMA_1, j] * (-np.expm1(-stops) / stops if stops > 0.0 else 1.0)
         lag = state[_LAG, j]
         state[_KEEP, j], state[_AHEAD, j] = 0.0, 0.5
         if lag > 0.0:
             state[_KEEP, j] = np.exp(-h / lag)
             state[_AHEAD, j] = 0.5 + 1.0 / np.expm1(h / lag) - lag / h
         follows = 1.0 - state[_KEEP, j] if lag < h else 0.0
-        half = 0.5 * h * state[_MOBILITY, j] * follows
-        state[_GIVE, j] = 1.0 / (1.0 + half * state[_VISCOUS, j])
-        state[_GIVE_REVERSE, j] = 1.0 / (1.0 + half * state[_VISCOUS + _REVERSE, j])
+        for back in (0, 1):
+            stops = h * state[_MOBILITY, j] * follows * state[_VISCOUS + back * _REVERSE, j]
+            give = -np.expm1(-stops) / stops if stops > 0.0 else 1.0
+            state[_GIVE + back, j], state[_REST + back, j] = give, 0.5 * stops * give
         if before > 0.0:
             state[_CHANGE, j] *= h / before
     return h
@@ -184,6 +189,7 @@ def _advance(
         s_f, s_r = state[_STATIC, j], state[_STATIC + _REVERSE, j]
         v_f, v_r = state[_VISCOUS, j], state[_VISCOUS + _REVERSE, j]
         give_f, give_r = state[_GIVE, j], state[_GIVE_REVERSE, j]
+        rest_f, rest_r = state[_REST, j], state[_REST_REVERSE, j]
         forth = w >= 0.0
         c, top, viscous = c_f if forth else c_r, s_f if forth else s_r, v_f if forth else v_r
         q, v = state[_Q, j] + state[_DQ, j] * f, state[_V, j] + state[_DV, j] * f
@@ -196,11 +202,11 @@ def _advance(
         second = min(max(state[_SECOND, j] + w * h, -limit), limit)
         third = min(max(state[_THIRD, j] + state[_NARROW, j] * w * h, -limit), limit)
         mean = z + state[_SHARPNESS, j] * ((1.0 / 3.0) * (first + second + third) - z)
-        bristle = state[_SIGMA_0, j] * mean + state[_SIGMA_1, j] * (mean - state[_MEAN, j]) / h
+        bristle = state[_SIGMA_0, j] * mean + state[_DAMPING, j] * (mean - state[_MEAN, j]) / h
         tau = state[_TAU, j] + state[_DTAU, j] * middle
-        give = give_f if forth else give_r
+        give, rest = give_f if forth else give_r, rest_f if forth else rest_r
         driven = h * (tau - viscous * state[_FELT, j] - bristle + u) * state[_MOBILITY, j]
-        faster = w + give * driven + (1.0 - give) * state[_CHANGE, j]
+        faster = w + give * driven + rest * state[_CHANGE, j]
         x += 0.5 * h * (w + faster)
         leak = state[_LEAK, j]
         x += h * (leak if abs(faster) < rest_speed else 0.0) * (q + v * h - x)

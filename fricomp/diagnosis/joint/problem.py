@@ -176,16 +176,18 @@ def _choose_substeps(track: Track, plant: Plant, observer: Observer, gains: tupl
 
     A bristle at its level follows the speed at once, and the stiffness that asks for short steps is gone; friction that
     creeps has no bristle. Rows do not show how a bristle swings that is much quicker than they are wide: its steps need
-    only be stable.
+    only be stable. Where the joint has yielded they may be twice as long, but no longer: a model that sticks for longer
+    than the joint must not be shaken loose by its steps. Viscous friction and the damping of a bristle are exact for
+    steps of any length.
     """
     stiffness = 3.0 * plant.sigma_0 if plant.creep_velocity == 0.0 else 0.0
     swing = np.sqrt((stiffness + gains[0]) / plant.inertia)
     seen = min(swing / observer.step, JOINT.row_substeps / observer.row_width)
     stiffest = max(seen, swing / JOINT.stable_substep)
-    viscous = 3.0 * max(plant.forward[3], plant.reverse[3])  # a fit may triple it
-    fastest = max(gains[1] / 0.4, viscous / JOINT.viscous_substep) / plant.inertia
+    fastest = gains[1] / plant.inertia / JOINT.held_substep
     fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *JOINT.fine_substeps))
-    coarse = int(np.clip(np.ceil(fastest * track.dt), JOINT.coarse_substeps, fine))
+    loose = max(fastest, 0.5 * swing / JOINT.stable_substep)
+    coarse = int(np.clip(np.ceil(loose * track.dt), JOINT.coarse_substeps, fine))
     direction = np.sign(track.velocity) * (np.abs(track.velocity) > JOINT.certain_sliding * observer.rest_speed)
     turned = np.concatenate([[True], direction[1:] != direction[:-1]]) | (direction == 0.0)
     index = np.arange(track.size)

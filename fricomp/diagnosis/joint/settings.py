@@ -89,6 +89,8 @@ class JointSettings:
     creep_rates: tuple[float, ...] = (105.0, 1050.0)
     """Rates b of that friction loss [1/s], from which creep starts: the usual one and that of a simulation ten
     times as stiff."""
+    faded_level: float = 0.01
+    """Level of friction that creeps, in that of a bristle, below which nothing is left that could creep."""
     damped_share: float = 0.9
     """Part of the largest damping time from which a bristle counts as damped as much as it may be."""
     base_steps: int = 48
@@ -137,11 +139,10 @@ class JointSettings:
     row_substeps: float = 250.0
     """Most substeps within a row's window that a bristle needs for its rows. With 400, and with four times the usual
     number everywhere, rows differ by less than 0.02 of their noise."""
-    stable_substep: float = 0.45
+    stable_substep: float = 0.7
     """Longest substep in radians of the bristle's own oscillation."""
-    viscous_substep: float = 2.0
-    """Longest substep in times after which viscous friction has stopped the joint. The kernel takes any; a longer one
-    swings."""
+    held_substep: float = 0.7
+    """Longest substep in times after which the observer's damping alone has led the joint back."""
     certain_sliding: float = 4.0
     """Rest speeds from which a sample's direction is certain."""
     yielded_travel: float = 16.0
