@@ -94,7 +94,7 @@ def _has_value(term: str, variant: int) -> bool:
 
 def _is_whole(fit: ArmFit, joint: int, term: str) -> bool:
     """Whether a term whose law has no factor comes with one that is nearer to one than to none."""
-    return term != "backlash" or fit.friction(joint)[TERMS[term].names(0)[0]] > _LEAST_SHARE
+    return not TERMS[term].whole or fit.friction(joint)[TERMS[term].names(0)[0]] > _LEAST_SHARE
 
 
 def _measure_size(fit: ArmFit, joint: int, term: str) -> float:

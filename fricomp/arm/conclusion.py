@@ -142,11 +142,11 @@ def _describe_effect(
         steps = [one for one in TERMS[term].values if one is not None]
         ends = value in (steps[0], steps[-1])
         parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value), at_bound=ends)
-    if term == "backlash":  # the factor on it is one
+    if TERMS[term].filled == "gap":  # the factor on it is one
         width = float(found.equations.gaps[joint, 0])
         around = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
         parameters = {"gap": Quantity(width, position, around)}
-    if term == "cogging":
+    if TERMS[term].filled == "ripple":
         order = float(found.equations.ripple[joint])
         reach = float(np.ptp(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
         parameters["order"] = Quantity(order, f"1/{position}", (order - np.pi / reach, order + np.pi / reach))

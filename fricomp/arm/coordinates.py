@@ -36,6 +36,9 @@ _REACHING = frozenset(
 )
 """Parameters that the other joints feel, each by one column."""
 
+_WHOLE = frozenset(term.name for term in TERMS.values() if term.whole)
+"""Terms whose one parameter is a share that should be one."""
+
 
 @dataclass(frozen=True)
 class ArmModel:
@@ -257,8 +260,8 @@ def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> flo
     """Prior deviation of a friction parameter, from a typical torque [N·m] and the joint's top speed [rad/s]."""
     if name.startswith("torque_delay"):
         return prior.delay
-    if name.startswith("backlash"):
-        return 1.0  # the law has no factor: it is one
+    if name.partition(".")[0] in _WHOLE:
+        return 1.0
     if name.startswith("torque_gain_error"):
         return prior.gain
     if name.startswith("thermal_friction"):

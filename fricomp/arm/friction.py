@@ -89,6 +89,7 @@ class JointTerm:
         replaces: Of `PLAIN`, what it may stand in place of.
         reaches_others: Whether the other joints feel it, by the same parameters: links that move otherwise than their
             motor pull at all of them.
+        whole: Whether its law has no factor: its one parameter is the share of it that is there, and should be one.
     """
 
     name: str
@@ -100,6 +101,7 @@ class JointTerm:
     family: str = ""
     replaces: tuple[str, ...] = ()
     reaches_others: bool = False
+    whole: bool = False
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -130,7 +132,7 @@ TERMS = {
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
         JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
-        JointTerm("backlash", ("share",), filled="gap", reaches_others=True),
+        JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True),
         JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
         JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),
         JointTerm("torque_gain_error", ("gain_error",), filled="load"),

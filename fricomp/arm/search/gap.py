@@ -27,6 +27,9 @@ from ..rows import ArmRows
 
 __all__ = ["GapSearch"]
 
+_GAP = next(term for term in TERMS.values() if term.filled == "gap")
+"""The term whose columns are made here."""
+
 _WIDTHS = tuple(3e-4 * 2.0 ** (0.5 * k) for k in range(13))
 """[rad] or [m] that a search starts from, up to 19 mrad; between two of them the time to cross differs by an eighth."""
 
@@ -119,7 +122,7 @@ class GapSearch:
         """
         n, left = len(fit.arm.joints), fit.residuals(equations)
         judges = {j: _Judge(equations, fit, j, left[:, j]) for j in self._joints}
-        has = {j for j in self._joints if "backlash" in fit.model.forms[j].names}
+        has = {j for j in self._joints if _GAP.name in fit.model.forms[j].names}
         found = {j: self._choose(judges[j], j) for j in self._joints if j not in has}
         first = max(found, key=lambda j: found[j].gain, default=None)
         for j in has:
@@ -211,9 +214,9 @@ class _Judge:
     def __init__(self, equations: ArmEquations, fit: ArmFit, joint: int, left: FloatArray) -> None:
         coordinates, columns = Coordinates(fit.arm, fit.model), equations.columns[joint]
         own, value = coordinates.columns[joint], 0.0
-        if "backlash" in fit.model.forms[joint].names:  # its own gap is what is looked for
+        if _GAP.name in fit.model.forms[joint].names:  # its own gap is what is looked for
             place, names = fit.find_friction(joint)
-            (name,) = TERMS["backlash"].names(0)
+            (name,) = _GAP.names(0)
             at = names.index(name)
             value, own = float(fit.x[place.start + at]), np.delete(own, at)
             left = left + value * equations.friction_of(joint, [name])[:, 0]
