@@ -32,8 +32,10 @@ _BLOCKS = 20
 
 _FOLDS = 4
 
-_MEAN = 0.1
-"""[s] over which errors are averaged where it is asked how much a term matters: the tenth of a short stroke."""
+_MEANS = (0.1, 0.2)
+"""[s] over which errors are averaged where it is asked how much a term matters: a tenth of a short stroke, and a fifth.
+The longer they are, the less noise is in them, and the more of what is left is a term that acts for as long; what a
+model has wrong stays. Over longer ones, terms that come by chance lower the error by nearly a tenth as well."""
 
 _TOLD_APART = 1e-3
 """Part of the largest below which what a few rows tell of plain friction counts as nothing: where a joint hardly goes
@@ -42,13 +44,14 @@ back, its Coulomb and its constant torque are one, and their difference would be
 
 @dataclass(frozen=True)
 class HeldOutErrors:
-    """Root mean square errors of each joint on rows that took no part in the fit [N·m] or [N]. Shapes (n_joints,).
+    """Root mean square errors of each joint on rows that took no part in the fit [N·m] or [N]. Shapes (n_joints,)
+    but for that of `means`.
 
     Attributes:
         simulation: Of the simulation's inverse dynamics, with a Coulomb, a viscous and a constant torque fitted.
         plain: Of links, rotors and such friction fitted together.
         model: Of the whole model.
-        means: Of the whole model, over means of 0.1 s.
+        means: Of the whole model, over means of 0.1 and 0.2 s. Shape (2, n_joints).
     """
 
     simulation: FloatArray
@@ -82,7 +85,7 @@ class ConfirmedData:
         self.equations = equations
         self._arm, self._prior, self._ripples = arm, prior, RippleSearch(rows)
         self._block = np.arange(len(rows)) * _BLOCKS // len(rows)
-        self._spans = _list_spans(rows)
+        self._spans = [_list_spans(rows, mean) for mean in _MEANS]
         self._sums = equations.split(self._block)
         self._trained = [
             EquationSums.join([one for k, one in enumerate(self._sums) if k % _FOLDS != fold]) for fold in range(_FOLDS)
@@ -125,13 +128,14 @@ class ConfirmedData:
         )
 
     def measure_model(self, model: ArmModel, start: ArmFit) -> tuple[FloatArray, FloatArray]:
-        """Held-out errors of one model over rows, and over means of 0.1 s [N·m] or [N]. Shapes (n_joints,).
+        """Held-out errors of one model over rows, and over means [N·m] or [N]. Shapes (n_joints,), (2, n_joints).
 
         How much a term matters should not hang on the bandwidth at which the parameters are known best: single rows
         are the noisier the closer they are.
         """
         left = self.leave_out(model, start)
-        return _measure_rows(self.equations, left), _measure_means(self.equations, left, self._spans)
+        means = [_measure_means(self.equations, left, spans) for spans in self._spans]
+        return _measure_rows(self.equations, left), np.stack(means)
 
     def leave_out(self, model: ArmModel, start: ArmFit) -> FloatArray:
         """What one model leaves of rows by fits from `start` to blocks that they are not in. Shape (n, n_joints)."""
@@ -150,9 +154,9 @@ def _measure_rows(equations: ArmEquations, left: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.sum(np.where(used, left, 0.0) ** 2, axis=0) / np.maximum(np.sum(used, axis=0), 1)))
 
 
-def _list_spans(rows: ArmRows) -> NDArray[np.intp]:
-    """First rows of spans of `_MEAN`, none of which goes over a gap."""
-    number = np.floor(rows.time / _MEAN).astype(np.intp)
+def _list_spans(rows: ArmRows, mean: float) -> NDArray[np.intp]:
+    """First rows of spans of so many seconds, none of which goes over a gap."""
+    number = np.floor(rows.time / mean).astype(np.intp)
     changes = (np.diff(number) != 0) | (np.diff(rows.part) != 0)
     return np.asarray(np.concatenate([[0], np.flatnonzero(changes) + 1]), dtype=np.intp)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm import build_friction_model, examine_arm
+from fricomp.arm.confirmation import ConfirmedData, without_term
 from fricomp.arm.friction import JointForm, column_names, find_columns, turn_bristle
 from fricomp.laws import FloatArray
 
@@ -53,6 +54,21 @@ def test_the_torque_of_one_joint_that_comes_late_is_named_there(tmp_path: Path) 
     assert record.delay.value + record.joints[0].effects[0].parameters["delay"].value == pytest.approx(
         0.012, abs=1.5e-3
     )
+
+
+def test_a_weak_drag_is_named_by_means_over_which_noise_averages_out(tmp_path: Path) -> None:
+    """Over 0.1 s it lowers the error by less than a tenth, over 0.2 s by more; no other joint has a name by that."""
+    simulation = write_arm(tmp_path)
+    series = record_arm(simulation, lambda j, _, v, __: 0.19 * v * np.abs(v) if j == 1 else 0.0 * v, noise=0.3)
+    examined = examine_arm(series, simulation)
+    assert names_of(examined.record) == {"shoulder": [], "elbow": ["quadratic_drag"], "wrist": []}
+    found = examined.answer.identification
+    fit, data = found.fit, ConfirmedData(found.fit.arm, found.equations, found.prior, found.rows)
+    (_, after), (_, before) = (
+        data.measure_model(model, fit) for model in (fit.model, without_term(fit.model, 1, "quadratic_drag"))
+    )
+    falls = 1.0 - after[:, 1] / before[:, 1]
+    assert falls[0] < 0.1 < falls[-1]
 
 
 def test_a_second_form_of_an_effect_mends_the_first() -> None:
