@@ -173,9 +173,9 @@ def test_what_the_checks_warn_of_stands_above_the_answer(tmp_path: Path, monkeyp
     result = CliRunner().invoke(app, ["diagnose", str(path), "--out", str(out)], env=wide)
     assert result.exit_code == EXIT_BAD_DATA, result.output
     assert result.stdout.startswith("Careful: position covers")
-    assert "is it in degrees (factor 57.3)?" in result.stdout
+    assert "seems to be in degrees (factor 57.3)" in result.stdout
     assert result.stdout.index("Careful") < result.stdout.index("a stub")
-    assert "is it in degrees" in (out / "report.html").read_text()
+    assert "seems to be in degrees" in (out / "report.html").read_text()
     call = ["diagnose", str(path), "--each", "--executor", "serial", "--out", str(tmp_path / "fleet")]
     fleet = CliRunner().invoke(app, call, env=wide)
     assert fleet.exit_code == 0, fleet.output

@@ -28,7 +28,7 @@ __all__ = [
 PART_OF = "part_of"
 """Key of a part's metadata for the number of the recording that it is of, counted from 0."""
 
-_FATAL_WARNINGS = SHOWS_NO_SLIDING | {"one_way"}
+_FATAL_WARNINGS = SHOWS_NO_SLIDING | {"one_way", "degrees_likely"}
 _LEAST = 2.0  # [s] of a part; shorter ones hold no stretch that can be held out
 _MOST_PARTS = 12  # of one recording: the longest; the kernel runs sixteen joints a call
 _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; the base goes up to 20
@@ -132,9 +132,8 @@ def _reasons_against_one(recording: Recording, joint: str | None) -> list[str]:
 
 
 def _fatal(finding: Finding) -> bool:
-    """Errors, and what would only give physics names that a unit makes; a suspected speed alone may be right."""
-    suspected = finding.code == "degrees_suspected" and finding.column == "position"
-    return finding.severity == "error" or finding.code in _FATAL_WARNINGS or suspected
+    """Errors, and what would only give physics names that a unit makes."""
+    return finding.severity == "error" or finding.code in _FATAL_WARNINGS
 
 
 def inertia_against(found: float, given: float) -> list[str]:

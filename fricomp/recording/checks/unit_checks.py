@@ -25,6 +25,7 @@ _FEWEST_COUNTS = 50  # whole numbers, and travel, from which on no chance makes 
 _FEWEST_BLOCKS = 80
 _MOST_COUNTS = 200_000  # counts a turn of an encoder whose step is told by them
 _CLEARLY = 0.25  # part of the squares that another explanation leaves, below which gravity in degrees is the one
+_LIKELY = 0.5  # the same, below which a torque that bends with the position over many turns makes degrees likely
 _LEAST_WORK = 0.1  # part of the work on a closed path that must be friction to tell its sign
 _FACTORS = {  # derivative of position over the velocity column -> what that means
     DEGREES: "position is in degrees",
@@ -154,6 +155,16 @@ def _degrees_by_step(recording: Recording) -> str | None:
     return None
 
 
+def _shows_radians(recording: Recording) -> bool:
+    """Whether the position moves in steps of an encoder whose turn is 2 pi."""
+    step = find_position_step(recording.position)
+    if step is None or _is_rounding(step):
+        return False
+    counts = round(2 * pi / step)
+    binary = 256 <= counts < 2**27 and counts & (counts - 1) == 0
+    return (binary or _is_round(counts)) and abs(counts * step / (2 * pi) - 1) < 1e-5
+
+
 def _is_round(counts: int) -> bool:
     """Whether an encoder has so many counts a turn, as far as those in hundreds go."""
     return 0 < counts <= _MOST_COUNTS and counts % 100 == 0
@@ -191,6 +202,25 @@ def _degrees_by_gravity(recording: Recording) -> str | None:
     """
     if recording.metadata.continuous or np.ptp(recording.position) < _LARGEST_TRAVEL:
         return None
+    left = _leave_by_position(recording)
+    if left is None or left.degrees > _CLEARLY * min(left.radians, left.bend):
+        return None
+    return (
+        "the torque follows the sine of position / 57.3, as gravity does, and leaves "
+        f"{np.sqrt(min(left.radians, left.bend) / max(left.degrees, 1e-300)):.3g} times as much beside anything else"
+    )
+
+
+class _Left(NamedTuple):
+    """Squares of the torque beside inertia and friction, with gravity in either unit and with a bend over all."""
+
+    plain: float
+    radians: float
+    degrees: float
+    bend: float
+
+
+def _leave_by_position(recording: Recording) -> _Left | None:
     rows = _average_blocks(recording)
     if rows is None:
         return None
@@ -206,13 +236,11 @@ def _degrees_by_gravity(recording: Recording) -> str | None:
         return float(left @ left)
 
     turned = position / DEGREES
-    angle = leave(np.sin(turned), np.cos(turned))
-    others = min(leave(np.sin(position), np.cos(position)), leave(position, position**2))
-    if angle > _CLEARLY * others:
-        return None
-    return (
-        "the torque follows the sine of position / 57.3, as gravity does, and leaves "
-        f"{np.sqrt(others / max(angle, 1e-300)):.3g} times as much beside anything else"
+    return _Left(
+        leave(),
+        leave(np.sin(position), np.cos(position)),
+        leave(np.sin(turned), np.cos(turned)),
+        leave(position, position**2),
     )
 
 
@@ -221,13 +249,16 @@ def _suspect_degrees(recording: Recording) -> tuple[Finding, ...]:
         return ()
     travel = float(np.ptp(recording.position))
     speed = 0.0 if recording.velocity is None else float(np.percentile(np.abs(recording.velocity), 99))
-    if travel > _LARGEST_TRAVEL:
-        advice = (
-            'multiply by π/180 (unit = "deg" in a mapping); if it is right, state position_limits or continuous: true'
-        )
-        message = f"position covers {travel:.4g} rad, {travel / 2 / pi:.1f} turns: is it in degrees (factor 57.3)?"
-        return (Finding("degrees_suspected", "warning", message, advice, column="position"),)
-    return suspect_degrees_per_second(speed)
+    if travel <= _LARGEST_TRAVEL or _shows_radians(recording):
+        return suspect_degrees_per_second(speed)
+    advice = 'multiply by π/180 (unit = "deg" in a mapping); if it is right, state position_limits or continuous: true'
+    message = f"position covers {travel:.4g} rad, {travel / 2 / pi:.1f} turns"
+    left = _leave_by_position(recording)
+    if left is not None and min(left.bend, left.degrees) < _LIKELY * min(left.plain, left.radians):
+        message += ", and the torque bends with it over all of them: it seems to be in degrees (factor 57.3)"
+        return (Finding("degrees_likely", "warning", message, advice, column="position"),)
+    message += ": is it in degrees (factor 57.3)?"
+    return (Finding("degrees_suspected", "warning", message, advice, column="position"),)
 
 
 def _find_millimetres(recording: Recording) -> tuple[Finding, ...]:

@@ -105,7 +105,18 @@ def test_many_turns_in_radians_are_no_degrees(load: str) -> None:
         "none": 0.0 * angle,
     }[load]
     torque += 0.02 * np.random.default_rng(9).normal(size=t.size)
-    assert _codes(Recording(t, angle, torque)).keys() == {"degrees_suspected"}
+    bends = load not in ("gravity", "none")
+    assert _codes(Recording(t, angle, torque)).keys() == {"degrees_likely" if bends else "degrees_suspected"}
+
+
+@pytest.mark.parametrize("counts", [2**12, 2**14, 10000])
+def test_many_turns_in_steps_of_an_encoder_in_radians_are_right(counts: int) -> None:
+    t = np.arange(0.0, 30.0, 0.004)
+    angle = 30.0 * np.sin(0.6 * t) + 12.0 * np.sin(1.45 * t)
+    torque = 0.2 * np.sign(np.gradient(angle)) + 0.05 * angle + 0.02 * np.random.default_rng(9).normal(size=t.size)
+    turns = np.round(angle * counts / _TURN) / counts
+    assert not _codes(Recording(t, _TURN * turns, torque))
+    assert _codes(Recording(t, 360.0 * turns, torque))
 
 
 @pytest.mark.parametrize("offset", [0.0, 180.0, 57.0])
@@ -135,8 +146,8 @@ def test_an_encoder_of_hundreds_of_counts_shows_degrees(counts: int) -> None:
 
 def test_everything_in_degrees_without_other_evidence_is_suspected(make_recording: MakeRecording) -> None:
     recording = _in_degrees(make_recording().with_metadata(encoder_resolution=None))
-    assert _codes(recording)["degrees_suspected"].severity == "warning"
-    assert "degrees_suspected" not in _codes(recording.with_metadata(continuous=True))
+    assert _codes(recording)["degrees_likely"].severity == "warning"
+    assert "degrees_likely" not in _codes(recording.with_metadata(continuous=True))
 
 
 @pytest.mark.parametrize(
