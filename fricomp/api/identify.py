@@ -23,7 +23,7 @@ from fricomp.calibration.motion.joint_samples import (
     sample_joint,
     split_for,
 )
-from fricomp.calibration.motion.missed_gravity import with_gravity_doubt
+from fricomp.calibration.motion.missed_gravity import doubt_for_gravity, find_missed_gravity
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.table import is_friction_table, read_friction_table
@@ -53,7 +53,7 @@ class IdentifySettings:
     noise: str | ArrayLike = "auto"
     loss: Loss = "gaussian"
     law: str = ""
-    gravity: bool = False
+    gravity: bool | None = None
     seed: int = 0
     depart: bool = False
 
@@ -78,7 +78,7 @@ def identify(
     method: Literal["pinn", "least_squares"] = "pinn",
     noise: str | ArrayLike = "auto",
     loss: Literal["gaussian", "robust"] = "gaussian",
-    gravity: bool = False,
+    gravity: bool | None = None,
     depart: bool = False,
     seed: int = 0,
     options: IdentificationOptions | None = None,
@@ -113,7 +113,8 @@ def identify(
         noise: `absolute` where the torque sensor sets it, `relative` where it grows with the torque, `auto` to decide
             by likelihood; or one standard deviation a point [N·m] or [N]. For tables.
         loss: `robust` where single points may be far off; it costs a little accuracy where none is. For tables.
-        gravity: Say so where gravity acts on the joint: a recording's friction would else hold it. For recordings.
+        gravity: Whether gravity acts on the joint and is fitted; where it is not said, it is fitted if most of the
+            torque that is unexplained without it goes with sine and cosine of the angle. For recordings.
         depart: Let a network leave the law where points that were held out ask for it. For tables.
         seed: Of the network's first weights. For tables.
         options: Name, motion and torque unit of the joint of a table, and further settings; a recording says its own.
@@ -153,7 +154,7 @@ def identify_source(
     points = _points_of(source)
     if points is None:
         return _identify_recording(source, settings, flag)  # type: ignore[arg-type]
-    if settings.gravity:
+    if settings.gravity is not None:
         what = f"{points.name} is a table, which is friction alone"
         raise IdentificationError(f"{flag}gravity is for recordings; {what}: leave it out")
     chosen = options or IdentificationOptions()
@@ -252,7 +253,7 @@ def _identify_recording(
     name = "the data" if isinstance(source, Recording) else Path(source).name
     _refuse_point_settings(name, settings, flag)
     recording, findings, about, data = read_motion_recording(source)
-    chosen, notes = choose_settings(recording, gravity=settings.gravity), []
+    chosen, notes = choose_settings(recording, gravity=bool(settings.gravity)), []
     if chosen.torque_cutoff < RegressionSettings.torque_cutoff:
         notes.append(f"Low-pass: {chosen.torque_cutoff:.3g} Hz, so that noise of the position is no acceleration.")
     of_gaps = split_for(recording, chosen).notes
@@ -262,9 +263,14 @@ def _identify_recording(
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
     samples = sample_joint(recording, chosen)
     one_way = any(finding.code in ("one_way", "one_way_turns") for finding in findings)
+    missed = find_missed_gravity(samples, chosen) if meta.motion == "rotary" and not one_way else None
+    if missed is not None and settings.gravity is None:
+        chosen = replace(chosen, gravity=True)
+        leave_out = f"{flag}no-gravity" if flag else "gravity=False"
+        notes.append(f"Gravity is fitted: {missed.describe(meta.torque_unit)}; {leave_out} leaves it out.")
     motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
-    if meta.motion == "rotary" and not one_way:
-        motion = with_gravity_doubt(motion, samples, chosen, flag)
+    if missed is not None and settings.gravity is False:
+        motion = doubt_for_gravity(motion, missed, flag)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 
@@ -310,7 +316,7 @@ def _rigid_sentence(motion: MotionIdentification, flag: str) -> str:
     of_inertia, *_, of_offset = body.standard_deviations
     (cosine, sine), (of_cosine, of_sine) = body.gravity, body.gravity_deviations
     gravity = f"({cosine:.4g} ± {of_cosine:.2g}) cos q + ({sine:.4g} ± {of_sine:.2g}) sin q {torque}"
-    absent = f"not asked for ({flag}gravity)"
+    absent = f"not fitted ({flag}gravity)"
     offset = f", offset {body.offset:.4g} ± {of_offset:.2g} {torque}" if of_offset > 0.0 else ""
     said = (
         f"Rigid body, ± its standard deviations: inertia {body.inertia:.5g} ± {of_inertia:.2g} "

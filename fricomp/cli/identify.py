@@ -81,11 +81,14 @@ def identify(
         ),
     ] = "",
     gravity: Annotated[
-        bool,
+        bool | None,
         typer.Option(
-            rich_help_panel="Of a recording", help="For a recording: gravity acts on the joint, and is fitted."
+            "--gravity/--no-gravity",
+            rich_help_panel="Of a recording",
+            help="Whether gravity acts on the joint and is fitted; as it is, where the torque shows it.",
+            show_default=False,
         ),
-    ] = False,
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, rich_help_panel="Friction", help="Of the network's first weights.")] = 0,
     depart: Annotated[
         bool,
@@ -248,7 +251,11 @@ def _identify_batch(files: Sequence[str], out: Path, settings: IdentifySettings,
 
     if settings.law not in ("", "stribeck") or (settings.loss, settings.depart) != ("gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
-    others = {"--method": settings.method != "pinn", "--gravity": settings.gravity, "--seed": settings.seed != 0}
+    others = {
+        "--method": settings.method != "pinn",
+        "--gravity": settings.gravity is not None,
+        "--seed": settings.seed != 0,
+    }
     _refuse(others, "has no use with --batch, which fits tables by least squares")
     require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))

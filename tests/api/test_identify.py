@@ -74,7 +74,7 @@ def test_a_recording_gives_the_rigid_body_too_and_its_file_the_same(tmp_path: Pa
     assert found.motion is not None
     assert found.motion.rigid_body.inertia == pytest.approx(0.1, rel=0.03)
     assert found.model.joint == "elbow"
-    assert "gravity not asked for (gravity)" in found.notes[0]
+    assert "gravity not fitted (gravity)" in found.notes[0]
     fricomp.write_recording(recording, tmp_path / "motion.csv")
     again = fricomp.identify(tmp_path / "motion.csv", law="coulomb_viscous")
     assert again.parameters == pytest.approx(found.parameters, rel=1e-6)

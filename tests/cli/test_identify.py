@@ -304,7 +304,7 @@ def test_torque_of_the_motor_is_brought_to_the_joint(tmp_path: Path) -> None:
 def test_the_rigid_body_is_told_with_its_units(tmp_path: Path) -> None:
     write_recording(_motion(), tmp_path / "motion.csv")
     said, _ = _identify_motion(tmp_path / "motion.csv")
-    told = r"inertia [\d.]+ ± [\d.e-]+ kg·m², .*gravity not asked for .*viscous [\d.]+ N·m·s/rad"
+    told = r"inertia [\d.]+ ± [\d.e-]+ kg·m², .*gravity not fitted .*viscous [\d.]+ N·m·s/rad"
     assert re.search(told, " ".join(said.split()))
 
 

@@ -1,4 +1,4 @@
-"""Gravity that acts and was not asked for is told, and the friction that would hold it is not given as usable."""
+"""Gravity that acts is fitted and told; where it is left out, the friction that would hold it is not usable."""
 
 from __future__ import annotations
 
@@ -15,15 +15,24 @@ def _weigh(log: Recording, size: float, angle: float) -> Recording:
 
 
 @pytest.mark.parametrize(("size", "angle", "seed"), [(3.0, 0.2, 1), (0.8, -1.0, 2)])
-def test_gravity_that_was_not_asked_for_is_told_and_mended_by_the_option(size: float, angle: float, seed: int) -> None:
+def test_gravity_that_acts_is_fitted_and_told(size: float, angle: float, seed: int) -> None:
     log = _weigh(joint_log(20.0, 250.0, seed), size, angle)
-    without = fricomp.identify(log, law="coulomb_viscous")
-    assert not without.is_usable
-    assert without.result.message.endswith("say gravity")
-    found = fricomp.identify(log, law="coulomb_viscous", gravity=True)
+    found = fricomp.identify(log, law="coulomb_viscous")
     assert found.is_usable
     assert found.parameters["coulomb.coulomb_torque"] == pytest.approx(COULOMB, rel=0.02)
+    (told,) = (note for note in found.notes if note.startswith("Gravity is fitted"))
+    assert told.endswith("gravity=False leaves it out.")
+    assert found.parameters == fricomp.identify(log, law="coulomb_viscous", gravity=True).parameters
 
 
-def test_a_joint_without_gravity_is_asked_nothing() -> None:
-    assert fricomp.identify(joint_log(20.0, 250.0, 3), law="coulomb_viscous").is_usable
+def test_friction_that_holds_gravity_is_not_usable() -> None:
+    without = fricomp.identify(_weigh(joint_log(20.0, 250.0, 1), 3.0, 0.2), law="coulomb_viscous", gravity=False)
+    assert not without.is_usable
+    assert without.result.message.endswith("say gravity")
+
+
+def test_a_joint_without_gravity_is_given_none() -> None:
+    found = fricomp.identify(joint_log(20.0, 250.0, 3), law="coulomb_viscous")
+    assert found.is_usable
+    assert found.motion is not None
+    assert not any(found.motion.rigid_body.gravity)
