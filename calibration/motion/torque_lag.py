@@ -3,7 +3,8 @@
 A torque recorded late by the lag t_l is tau(t - t_l) = tau(t) - t_l dtau/dt + ..., which looks like viscous friction
 where a joint swings. What rigid body and friction cannot imitate of dtau/dt tells the lag. The slope of the fitted
 torque holds the noise of an acceleration and more: regressed on it alone, a lag would come out too small by the noise's
-share. The slope of the measured torque has a noise of its own, so it serves as the instrument [fuller1987measurement].
+share. The slope of the measured torque has a noise of its own, so it serves as the instrument [fuller1987measurement]:
+smoothed, because a loop that is closed on the encoder puts the encoder's noise into its torque too.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import binary_erosion
+from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from fricomp.laws import FloatArray
 
@@ -42,6 +43,12 @@ _LEAST_EDGE = 2
 _ENOUGH = 0.2
 """Part of the samples that slide which must be left; strokes that are too short for that reverse quickly, and their
 ringing is known."""
+_SMOOTH = 0.64
+"""Standard deviation of the Gaussian that smooths the instrument, in periods of the low-pass's cutoff: it ends at a
+quarter of it. The noise of an acceleration grows with the square of the frequency: a fiftieth of it is in both."""
+_LEAST_SMOOTH = 3
+"""The same in samples, below which it is not smoothed: the cutoff is then that of a slow recording, which is set by its
+rate and not by its encoder's noise, and what is below a quarter of it tells next to nothing."""
 _COLLINEAR = 1e-10
 """Share of the slope's power that is rounding."""
 _WEAK = 0.02
@@ -121,7 +128,11 @@ def estimate_lag(
     unknown = TorqueLag(0.0, before, taken_off, shift, before)
     if len(at) <= columns.shape[1]:
         return unknown
-    slope, instrument, left = (solve_correlated(columns[chosen], target[chosen], at, 1).error for target in targets)
+    width = recorded.count_samples(_SMOOTH)
+    measured = targets[1][chosen]
+    smooth = _smooth_within(inner, measured, width) if width >= _LEAST_SMOOTH else measured
+    shown = (targets[0][chosen], smooth, targets[2][chosen])
+    slope, instrument, left = (solve_correlated(columns[chosen], target, at, 1).error for target in shown)
     if slope @ slope <= _COLLINEAR * np.sum(targets[0][chosen] ** 2):
         return unknown
     common = float(instrument @ slope)
@@ -134,6 +145,14 @@ def estimate_lag(
     value = weight * (taken_off + size * float(found.solution[0]))
     least = max(_LEAST, recorded.clock_error)
     return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), least)), taken_off, shift, before)
+
+
+def _smooth_within(rows: _Rows, values: FloatArray, width: float) -> FloatArray:
+    """Values at some samples, smoothed over these alone: reversals beside them stay out. Shape (n,)."""
+    spread = np.zeros(len(rows))
+    spread[rows] = values
+    weight = gaussian_filter1d(rows.astype(np.float64), width)
+    return np.asarray((gaussian_filter1d(spread, width) / np.maximum(weight, 1e-300))[rows])
 
 
 def _inside_strokes(rows: _Rows, edge: int) -> _Rows:
