@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.ndimage import binary_opening
 from scipy.signal import butter, sosfiltfilt
 
@@ -345,6 +345,15 @@ def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) ->
     return split_motion(recording, shortest_gap=0.5 / settings.position_cutoff, margin=settings.margin)
 
 
+def _interpolate(even: FloatArray, recording: Recording) -> FloatArray:
+    """Position at any times [rad] or [m]; a straight line over missing rows would take off an acceleration. Shape (n,).
+
+    Akima's curve depends on few samples: a stamp that is wrong bends it nowhere else.
+    """
+    within = np.clip(even, recording.time[0], recording.time[-1])
+    return np.asarray(Akima1DInterpolator(recording.time, recording.position)(within))
+
+
 def _filter(
     even: FloatArray, recording: Recording, low_pass: FloatArray, settings: RegressionSettings
 ) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray[tuple[int], np.dtype[np.intp]]]:
@@ -357,7 +366,7 @@ def _filter(
         settings: Cutoffs and margin.
     """
     rate = 1.0 / recording.sample_period
-    position = np.interp(even, recording.time, recording.position)
+    position = _interpolate(even, recording)
     torque = np.interp(even, recording.time, recording.torque)
     smooth = sosfiltfilt(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"), position)
     curve = CubicSpline(even, smooth)  # differences would lose an eighth of an acceleration at a tenth of the rate

@@ -5,7 +5,7 @@ part between gaps; what the stamps are off it is either their error or a true un
 tells: where the stamps are right, a joint that moves is further by its speed times what the stamp is late.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,28 +14,32 @@ from numpy.typing import NDArray
 
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.recording import Recording
+from fricomp.recording.row_numbers import RowNumbers, count_rows
 
 __all__ = ["Clock", "mend_clock"]
 
 Samples = NDArray[np.float64]
 
 _FEWEST = 50
-"""Rows of a part below which its stamps are taken as they are."""
+"""Rows of a part below which it does not tell its period."""
 _EXACT = 2e-3
 """Deviation from the grid that is not worth a new stamp, in periods."""
 _USUAL = 1.6
 """Steps up to so many medians are steps of one period: stamps in milliseconds at 400 Hz are 2 and 3 ms apart, and 5 ms
 where a row is missing."""
-_SCATTER = 0.45
-"""Standard deviation from the grid above which a part has no grid, in periods: rows could then change places."""
+_SCATTER = 0.55
+"""Standard deviation from the grid above which a part has no grid, in periods: stamps at random instants are
+further off."""
 _WANDER = 1.0
 """Deviation from the grid over that of neighbouring steps, above which the clock wanders. White errors have 0.71."""
 _WANDER_ROWS = 100
 """Rows to either side whose mean tells where a clock that wanders is: errors of single stamps are then a fourteenth."""
 _MOST_BENT = 0.1
 """Part of a period by which the grid may change from row to row; two rates in turns differ by more."""
-_FOLLOW = 0.05
-"""Part of a stamp's deviation by which the grid follows it while rows are counted."""
+_STEADY = 0.02
+"""Deviation of all steps from a period, in periods, up to which no row is missing, whatever the clock's rate does."""
+_GUESSED, _GUESSED_WELL = 10, 200
+"""Stamps that tell a period as well as a guess: one by steps of which one in twenty is two periods, and a right one."""
 _SURE = 0.2
 """Standard deviation of the share of the deviation that is true, below which the position has told it."""
 _SMOOTH = 5
@@ -81,7 +85,7 @@ def mend_clock(recording: Recording) -> tuple[Recording, Clock]:
     period = _period(np.diff(time), _find_tick(time))
     cuts = np.flatnonzero(np.diff(time) > max(find_gap_length(recording), GAP_PERIODS * period)) + 1
     spans = list(pairwise([0, *cuts.tolist(), time.size]))
-    grids = [_lay_grid(time[a:b], period) for a, b in spans]
+    grids = _lay_grids(time, np.asarray(recording.position), spans, period)
     off = np.concatenate([time[a:b] - grid for (a, b), grid in zip(spans, grids, strict=True)])
     size = float(np.std(off))
     tick = _find_tick(time)
@@ -107,11 +111,25 @@ def _period(step: Samples, tick: float) -> float:
     return float(np.mean(step[usual]))
 
 
-def _lay_grid(time: Samples, period: float) -> Samples:
+def _lay_grids(time: Samples, position: Samples, spans: Sequence[tuple[int, int]], period: float) -> list[Samples]:
+    """Even instants for the stamps of each part; the longest tells the period best, and the others begin with its."""
+    grids = [time[a:b] for a, b in spans]
+    told_by = 0
+    for k in sorted(range(len(spans)), key=lambda k: -grids[k].size):
+        a, b = spans[k]
+        if b - a >= _FEWEST:
+            grids[k] = _lay_grid(time[a:b], position[a:b], period, told_by)
+            if told_by == 0 and not np.array_equal(grids[k], time[a:b]):
+                period, told_by = float(np.median(np.diff(grids[k]))), b - a
+        elif told_by and b - a > 1:
+            count = _count_periods(time[a:b], position[a:b], period, _number_rows(b - a), told_by).numbers
+            grids[k] = period * (count - count.mean()) + time[a:b].mean()
+    return grids
+
+
+def _lay_grid(time: Samples, position: Samples, period: float, told_by: int) -> Samples:
     """Even instants for the stamps of a part, in which rows may be missing; the stamps where they are not even."""
-    if time.size < _FEWEST:
-        return time
-    fits = [_fit_grid(time, period, _count_rows), _fit_grid(time, period, _count_periods)]
+    fits = [_fit_line(time, _number_rows(time.size)), _fit_grid(time, position, period, told_by)]
     # A row that is counted wrongly puts all that follow a period off the grid: what is least off is right.
     grid, slope = min(fits, key=lambda fit: float(np.std(time - fit[0])))
     if slope <= 0.0:
@@ -125,16 +143,33 @@ def _lay_grid(time: Samples, period: float) -> Samples:
     return bent if follows and _errs_alone(time - bent, slope) else time
 
 
-def _fit_grid(time: Samples, period: float, counted: Callable[[Samples, float], Samples]) -> tuple[Samples, float]:
+def _fit_grid(time: Samples, position: Samples, period: float, told_by: int) -> tuple[Samples, float]:
     """Even instants by numbers of the rows, and their period [s]; it is known better with each fit, and with it which
-    rows are missing."""
-    count, slope, start = counted(time, period), period, 0.0
-    for _ in range(3):
-        slope, start = (float(one) for one in np.polyfit(count, time - time[0], 1))
-        better = counted(time, slope) if slope > 0.0 else count
+    rows are missing.
+
+    Args:
+        time: Stamps [s]. Shape (n,).
+        position: [rad] or [m]. Shape (n,).
+        period: About that of the rows [s].
+        told_by: Stamps that told it; 0 where it is a guess.
+    """
+    nothing = _number_rows(time.size)
+    guesses = (told_by,) if told_by else (_GUESSED, _GUESSED_WELL)
+    count, _ = min((_count_periods(time, position, period, nothing, one) for one in guesses), key=lambda one: one.cost)
+    for _ in range(2):
+        _, slope = _fit_line(time, count)
+        if slope <= 0.0:
+            break
+        better = _count_periods(time, position, slope, count, time.size).numbers
         if np.array_equal(better, count):
             break
         count = better
+    return _fit_line(time, count)
+
+
+def _fit_line(time: Samples, count: Samples) -> tuple[Samples, float]:
+    """Even instants by numbers of the rows, and their period [s]."""
+    slope, start = (float(one) for one in np.polyfit(count, time - time[0], 1))
     return np.asarray(time[0] + start + slope * count, dtype=np.float64), slope
 
 
@@ -155,30 +190,16 @@ def _follow_wander(off: Samples) -> Samples:
     return np.asarray((total[row + reach + 1] - total[row - reach]) / (2 * reach + 1), dtype=np.float64)
 
 
-def _count_rows(time: Samples, period: float) -> Samples:
-    """Number of each row; the period has no part in it. Shape (n,)."""
-    return np.arange(time.size, dtype=np.float64)
+def _count_periods(time: Samples, position: Samples, period: float, known: Samples, told_by: int) -> RowNumbers:
+    """Number of each sample on its grid, in which rows may be missing."""
+    if np.max(np.abs(np.diff(time) - period)) < _STEADY * period:
+        return RowNumbers(known, 0.0)
+    return count_rows(time, position, period, known, told_by)
 
 
-def _count_periods(time: Samples, period: float) -> Samples:
-    """Number of each sample on its grid, in which rows may be missing. Shape (n,).
-
-    The grid is followed: a single stamp that is late is no missing row, because the next one is not late with it.
-    """
-    if np.max(np.abs(np.diff(time) - period)) < 0.4 * _FOLLOW * period:
-        return np.arange(time.size, dtype=np.float64)  # the grid stays within 0.4 periods of each, so none is missing
-    count, number, instant, passed = np.zeros(time.size), 0, float(time[0]), 0
-    for k, stamp in enumerate(time.tolist()[1:], 1):
-        ahead = round((stamp - instant) / period)
-        if ahead < 1 and passed > 1:  # the one before was late by more than half a period, and nothing was missing
-            count[k - 1] -= 1
-            number, instant, ahead = number - 1, instant - period, ahead + 1
-        passed = max(1, ahead)
-        number += passed
-        instant += passed * period
-        instant += _FOLLOW * (stamp - instant)
-        count[k] = number
-    return count
+def _number_rows(size: int) -> Samples:
+    """Numbers of rows none of which is missing. Shape (size,)."""
+    return np.arange(size, dtype=np.float64)
 
 
 def _find_tick(time: Samples) -> float:

@@ -11,7 +11,9 @@ from fricomp.recording.stamps import find_rising, find_row_rate
 Samples = NDArray[np.float64]
 
 _MANY, _TOO_MANY = 0.01, 0.2  # parts of the rows that were left out
-_JITTER = 2.0  # periods by which the stamp of a clock that jitters may lie before that of an earlier row
+_JITTER = 10.0  # periods by which a stamp may lie before an earlier one: computers are late at times
+_MANY_STAMPED_BACK = 0.5  # part of the rows of a clock that jitters which may have no later stamp than one before
+_LONGER_BESIDE = 2.5  # usual steps over a repeated stamp and those beside it: 3, or 2 where a row came between
 _MANY_REPEATED = 0.2  # part of the rows with the stamp of the one before, above which the clock is coarse
 
 
@@ -60,8 +62,9 @@ def mend_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tu
     """Return the channels with stamps that rise, where little is wrong with them, and a note on what was done.
 
     Of rows that are stamped alike the first is kept. Many of them are a coarse clock, whose rows have instants of their
-    own: they stay, and are refused later with what to write. Where some rows are stamped a little before those that
-    they follow, the clock jitters: all rows stay, and those get stamps just after (`mend_clock` then makes them even).
+    own: they stay, and are refused later with what to write. Where some rows are stamped as or a little before those
+    that they follow, and the steps beside them are longer for it, the clock jitters: all rows stay, and those get
+    stamps just after (`mend_clock` then makes them even).
 
     Args:
         channels: As for `find_invalid`; `time` may be missing.
@@ -84,11 +87,19 @@ def mend_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tu
 
 
 def _jitters(time: Samples, step: Samples) -> bool:
-    """Whether some rows are stamped before those that they follow, by less than a few periods, and few are."""
-    if not np.any(step < 0.0) or not np.isfinite(time).all():
+    """Whether some rows are stamped no later than those that they follow, by less than a few periods, and few are.
+
+    A row that came in between shortens no other step; one that is stamped early or late lengthens those beside it.
+    """
+    if not np.any(step <= 0.0) or not np.isfinite(time).all():
         return False
     back = np.maximum.accumulate(time)[:-1] - time[1:]
-    return float(np.mean(back >= 0.0)) < _MANY_REPEATED and float(back.max()) < _JITTER * float(np.median(step))
+    usual = float(np.median(step))
+    if float(np.mean(back >= 0.0)) > _MANY_STAMPED_BACK or float(back.max()) >= _JITTER * usual:
+        return False
+    within = np.flatnonzero(step[1:-1] <= 0.0) + 1
+    beside = step[within - 1] + step[within] + step[within + 1]
+    return bool(np.any(step < 0.0) or (within.size > 0 and float(np.mean(beside)) > _LONGER_BESIDE * usual))
 
 
 def _raise_stamps(time: Samples, period: float) -> Samples:

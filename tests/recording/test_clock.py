@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fricomp.recording import RecordingWarning, read_recording
+from fricomp.recording import Recording, RecordingWarning, read_recording
 from fricomp.recording.clock import mend_clock
 from fricomp.recording.validity import mend_stamps
 
@@ -101,6 +101,37 @@ def test_rows_that_a_clock_stamps_before_those_they_follow_are_kept(
     assert clock.mended
     assert clock.error == pytest.approx(jitter, rel=0.1)
     assert np.max(np.abs(np.asarray(mended.time) - log.time)) < 0.1 * jitter
+
+
+@pytest.mark.parametrize(
+    ("rate", "jitter", "lost", "rounded"),
+    [(100.0, 0.35, 0.05, False), (250.0, 0.45, 0.01, True), (700.0, 0.25, 0.05, False), (1000.0, 0.2, 0.01, True)],
+)
+def test_rows_are_missing_between_stamps_that_jitter(rate: float, jitter: float, lost: float, rounded: bool) -> None:
+    log = joint_log(3000.0 / rate, rate, 12)
+    rng = np.random.default_rng(13)
+    keep = rng.random(len(log)) >= lost
+    keep[1500:1523] = keep[1700:1712] = False
+    stamps = log.time + rng.normal(0.0, jitter / rate, len(log))
+    stamps = np.round(stamps, 3) if rounded else stamps
+    channels = {"time": stamps[keep], "position": log.position[keep], "torque": log.torque[keep]}
+    risen, _ = mend_stamps(channels)
+    assert len(risen["time"]) == np.count_nonzero(keep)  # a row that is stamped as the one before is none less
+    mended, clock = mend_clock(Recording.from_channels(risen))
+    assert clock.mended
+    off = np.asarray(mended.time) - log.time[keep]
+    speed = np.abs(np.gradient(np.asarray(log.position), log.time))[keep]
+    assert np.std(off * speed) < 0.2 * jitter / rate * np.sqrt(np.mean(speed**2))  # a joint at rest tells no row
+
+
+def test_rows_of_another_stamped_alike_are_left_out() -> None:
+    log = joint_log(10.0, 100.0, 14)
+    rows = np.sort(np.concatenate([np.arange(len(log)), np.arange(30, len(log), 17)]))
+    channels = {name: np.array(values[rows]) for name, values in log.channels.items()}
+    channels["torque"] += 1e-3 * np.arange(rows.size)
+    kept, found = mend_stamps(channels)
+    assert found[0].code == "repeated_rows"
+    np.testing.assert_array_equal(kept["time"], log.time)
 
 
 def test_a_clock_that_was_set_back_is_refused() -> None:
