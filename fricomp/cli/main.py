@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import errno
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
@@ -22,6 +24,7 @@ import typer
 from fricomp.cli.lazy import lazy_app
 from fricomp.errors import FricompError, MissingExtraError
 from fricomp.extras import extra_for
+from fricomp.reading import watch_reading
 from fricomp.version import __version__
 
 __all__ = ["COMMANDS", "app", "run"]
@@ -83,7 +86,8 @@ def run() -> None:
     (not safe), `adapter check` (a step failed), `bench adapters` (a target was missed).
     """
     try:
-        app()
+        with watch_reading(_show_reading):
+            app()
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     except FricompError as error:
@@ -99,6 +103,16 @@ def run() -> None:
         if error.errno not in _OF_THE_DISK:
             raise
         _fail(f"a file could not be written: {error.strerror}")
+
+
+@contextmanager
+def _show_reading(name: str) -> Iterator[Callable[[float], None]]:
+    """A bar for each large file that is read."""
+    from fricomp.cli.terminal import progress
+
+    with progress() as bar:
+        task = bar.add_task(f"reading {name}", total=1.0)
+        yield lambda share: bar.update(task, completed=share)
 
 
 def _fail(message: str) -> None:

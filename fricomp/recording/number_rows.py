@@ -5,12 +5,15 @@ It takes plain files only. Whatever it stumbles on is left to the careful reader
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fricomp.reading import tell_reading
 
 __all__ = ["read_head", "read_number_rows"]
 
@@ -62,23 +65,45 @@ def read_number_rows(
     )
     parsing = csv.ParseOptions(delimiter=delimiter, quote_char=False, invalid_row_handler=_skip_comment)
     try:
-        with pyarrow.OSFile(str(path), "rb") as file:
+        with tell_reading(path.name) as tell, _WatchedFile(path, tell) as file:
             file.seek(start)
             table = csv.read_csv(
-                file,
+                pyarrow.PythonFile(file, "r"),
                 read_options=csv.ReadOptions(column_names=list(names)),
                 parse_options=parsing,
                 convert_options=options,
             )
     except (pyarrow.ArrowException, OSError):
         return None
-    return {name: _join(table.column(name).chunks) for name in kept} if table.num_rows else None
+    if not table.num_rows:
+        return None
+    chunks = {name: table.column(name).chunks for name in kept}
+    del table  # a column is freed as soon as its chunks are joined
+    return {name: _join(chunks.pop(name)) for name in kept}
 
 
 def _join(chunks: Sequence[Any]) -> NDArray[np.float64]:
-    """Chunks of numbers, none missing, as one array; `to_numpy` would import pandas where that is installed."""
+    """Chunks of numbers, none missing, as one array; `to_numpy` would import pandas where that is installed.
+
+    It is read-only, so that a recording takes it as it is.
+    """
     parts = [np.frombuffer(one.buffers()[1])[one.offset : one.offset + len(one)] for one in chunks]
-    return np.concatenate(parts)
+    joined = np.concatenate(parts)
+    joined.flags.writeable = False
+    return joined
+
+
+class _WatchedFile(io.FileIO):
+    """A file that tells which share of it has been read."""
+
+    def __init__(self, path: Path, tell: Callable[[float], None]) -> None:
+        super().__init__(path)
+        self._size, self._tell_share = path.stat().st_size, tell
+
+    def read(self, size: int | None = -1) -> bytes:
+        block = super().read(-1 if size is None else size)
+        self._tell_share(self.tell() / self._size)
+        return block
 
 
 def _skip_comment(row: Any) -> str:

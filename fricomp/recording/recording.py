@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import msgspec
 import numpy as np
@@ -308,7 +308,14 @@ def _require_known(names: Iterable[str]) -> None:
             raise RecordingError(f"unknown channel {name!r}: valid are {', '.join(CHANNELS)}")
 
 
+def _is_settled(array: NDArray[Any]) -> bool:
+    return array.dtype == np.float64 and array.base is None and not array.flags.writeable
+
+
 def _read_only(name: str, values: ArrayLike) -> Samples:
+    """The values as an array that nobody changes; one that owns its values and is read-only already is no copy."""
+    if isinstance(values, np.ndarray) and _is_settled(values):
+        return values
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:

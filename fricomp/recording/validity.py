@@ -43,9 +43,11 @@ def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
     Returns:
         Shape (n_samples,).
     """
-    keep = np.all([np.isfinite(values) for values in channels.values()], axis=0)
-    keep[keep] = find_rising(channels["time"][keep])
-    return np.asarray(keep)
+    keep = np.ones(channels["time"].size, dtype=bool)
+    for values in channels.values():
+        keep &= np.isfinite(values)
+    keep[keep] = find_rising(channels["time"] if keep.all() else channels["time"][keep])
+    return keep
 
 
 def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
@@ -55,6 +57,8 @@ def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], 
         channels: As for `find_invalid`, of equal lengths.
     """
     keep = find_usable_rows(channels)
+    if keep.all():
+        return dict(channels), ()
     return {name: values[keep] for name, values in channels.items()}, tell_bad_rows(keep, channels)
 
 
@@ -114,10 +118,13 @@ def drop_twins(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tup
     Args:
         channels: As for `find_invalid`, of equal lengths.
     """
-    same = [np.diff(values) == 0.0 for values in channels.values()]
-    twins = np.concatenate([[False], np.all(same, axis=0)])
-    if not twins.any():
+    rows = np.flatnonzero(np.diff(channels["time"]) == 0.0)
+    for values in channels.values():
+        rows = rows[values[rows] == values[rows + 1]]
+    if not rows.size:
         return dict(channels), ()
+    twins = np.zeros(channels["time"].size, dtype=bool)
+    twins[rows + 1] = True
     message = f"{np.count_nonzero(twins)} of {twins.size} rows are the one before once more and were left out"
     found = Finding("repeated_rows", "note", message, "nothing to do", int(np.argmax(twins)) + 1, "time")
     return {name: values[~twins] for name, values in channels.items()}, (found,)

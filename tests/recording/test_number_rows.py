@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,10 @@ import pytest
 
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import RecordingError
+from fricomp.reading import watch_reading
 from fricomp.recording import Recording, RecordingMetadata, RecordingWarning, csv_file, read_recording, write_recording
+from fricomp.recording.named.log import separate_joints
+from fricomp.recording.named.source import read_named_columns
 from fricomp.recording.number_rows import read_head, read_number_rows
 
 pytest.importorskip("pyarrow")
@@ -100,3 +105,35 @@ def test_a_row_of_a_large_table_that_is_not_finite_is_named(tmp_path: Path) -> N
 
 def test_rows_that_are_no_numbers_are_left_to_others(path: Path) -> None:
     assert read_number_rows(path, 0, ("time", "position", "torque")) is None
+
+
+def test_who_watches_is_told_how_far_a_large_file_is_read(path: Path) -> None:
+    told: list[float] = []
+
+    @contextmanager
+    def watch(name: str) -> Iterator[Callable[[float], None]]:
+        assert name == "large.csv"
+        yield told.append
+
+    with watch_reading(watch):
+        read_recording(path)
+    assert told == sorted(told)  # a bar never falls back
+    assert told[-1] == 1.0
+    assert len(told) > 1
+    told.clear()
+    read_recording(path)
+    assert told == []
+
+
+def test_columns_of_a_large_log_are_held_once(path: Path, tmp_path: Path) -> None:
+    lines = path.read_text(encoding="utf-8").splitlines()
+    first = next(k for k, line in enumerate(lines) if not line.startswith("#"))
+    rows = [f"{line},{k}" for k, line in enumerate(lines[first + 1 :])]
+    named = tmp_path / "named.csv"
+    named.write_text("\n".join(["time [s],joint_pos [rad],joint_torque [Nm],count", *rows, ""]), encoding="utf-8")
+    columns = read_named_columns(named)
+    recording = separate_joints(named, columns, {}).recordings[0]
+    assert np.shares_memory(recording.position, columns["joint_pos [rad]"])
+    assert np.shares_memory(recording.torque, columns["joint_torque [Nm]"])
+    with pytest.raises(ValueError, match="read-only"):
+        recording.position[0] = 1.0

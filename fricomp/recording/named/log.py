@@ -235,7 +235,8 @@ def _to_si(
         values = columns[column]
         if values.size != rows:
             raise RecordingError(f"{path}: {column!r} has {values.size} rows, and the time {rows}")
-        table[channel] = values * found.factor + found.offset if found else values
+        converts = found is not None and (found.factor, found.offset) != (1.0, 0.0)
+        table[channel] = values * found.factor + found.offset if found and converts else values
     return table
 
 
@@ -258,7 +259,7 @@ def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
     said = np.isfinite(table["position"]) & np.isfinite(table["torque"])
     needed = ("time", "position", "torque")
     return {
-        name: values[said]
+        name: values if said.all() else values[said]
         for name, values in table.items()
         if name in needed
         or (
