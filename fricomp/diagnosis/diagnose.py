@@ -224,16 +224,19 @@ def _weigh_late_action(
 ) -> tuple[Findings, Verdict]:
     """Answer once more with the torque moved to where it may act, where the joint asks for that; keep what leaves less.
 
-    From there the base may move it back, so that a lag which looks like a delay from afar is found as one.
+    From there the base may move it back, so that a lag which looks like a delay from afar is found as one; and a lag
+    that is named may be a delay, where that takes no more names.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
-    acts_late = find_late_action(given.recordings, usual)
-    if acts_late == 0.0:
+    lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
+    acts_late = find_late_action(given.recordings, usual) or max(lags, default=0.0)
+    if acts_late <= usual:
         return answer
     _report(progress, "searching with the torque where it acts")
     base = _choose_base(given, SETTINGS.draws, acts_late)
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
-    if verdict.held.rmse_after > answer[1].held.rmse_after:
+    longer = bool(lags) and len(verdict.effects) + 1 > len(answer[1].effects)
+    if longer or verdict.held.rmse_after > answer[1].held.rmse_after:
         return answer
     late = name_late_action(findings)
     return findings, verdict if late.parameters["delay"].ci95[0] <= usual else join_channels(verdict, [late])
