@@ -34,6 +34,7 @@ from .low_rate.answer import diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
 from .samples.second_look import look_into_samples, remove_ripple
 from .search.late_creep import has_late_creep
+from .search.late_torque import measure_late_torque
 from .search.preparation import Baseline, prepare
 from .search.search import SearchResult, search
 from .verdict.experiment import propose_experiment
@@ -225,17 +226,21 @@ def _weigh_late_action(
     """Answer once more with the torque moved to where it may act, where the joint asks for that; keep what leaves less.
 
     From there the base may move it back, so that a lag which looks like a delay from afar is found as one; and a lag
-    that is named may be a delay, where that takes no more names.
+    that is named may be a delay, where that takes no more names, as may what is unknown beside a base whose own delay
+    is at its bound, where nothing else is left.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
     lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
-    acts_late = find_late_action(given.recordings, usual) or max(lags, default=0.0)
+    acts_late = find_late_action(given.recordings, usual)
+    shows = acts_late > 0.0
+    if not shows and (lags or answer[0].unknown):
+        acts_late = measure_late_torque(answer[0].case.baseline) or max(lags, default=0.0)
     if acts_late <= usual:
         return answer
     _report(progress, "searching with the torque where it acts")
     base = _choose_base(given, SETTINGS.draws, acts_late)
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
-    longer = bool(lags) and len(verdict.effects) + 1 > len(answer[1].effects)
+    longer = not shows and len(verdict.effects) + 1 > max(len(answer[1].effects), 1)
     if longer or verdict.held.rmse_after > answer[1].held.rmse_after:
         return answer
     late = name_late_action(findings)

@@ -101,6 +101,12 @@ class SearchSettings:
     """Number of rounds of steps along each parameter."""
     start_amplitude: tuple[float, float] = (0.5, 1.6)
     """Factors by which a start may be off in size."""
+    latest_torque: float = 0.03
+    """Longest time after its stamp at which a torque may act [s]; later ones show beside the inertia."""
+    late_starts: tuple[float, ...] = (0.002, 0.006, 0.015)
+    """Delays from which the base is fitted where its own is at the bound [s]."""
+    late_cost: float = 0.9
+    """Cost of the base with such a delay, in that without, below which it is worth a search."""
     late_creep_loud: float = 1.5
     """Residual over noise of the best explanation from which creep is tried beside it."""
     late_creep_cost: float = 0.5
