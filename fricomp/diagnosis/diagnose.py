@@ -65,6 +65,7 @@ class StageSettings:
         noise_share: Part of the acceleration's power that may be noise of the encoder in a row. An inertia comes out
             too small by it, and a loop that answers the noise takes its share for the motion's.
         widest_row: Widest row [s], about that of slow recordings: a wider one holds a whole stroke.
+        late_fall: Part by which the held-out error must fall for a delay beside what is named.
     """
 
     nulls: int = 32
@@ -74,6 +75,7 @@ class StageSettings:
     slow_bandwidth: float = 30.0
     noise_share: float = 0.01
     widest_row: float = 0.17
+    late_fall: float = 0.1
 
 
 SETTINGS = StageSettings()
@@ -226,25 +228,34 @@ def _weigh_late_action(
     """Answer once more with the torque moved to where it may act, where the joint asks for that; keep what leaves less.
 
     From there the base may move it back, so that a lag which looks like a delay from afar is found as one; and a lag
-    that is named may be a delay, where that takes no more names, as may what is unknown beside a base whose own delay
-    is at its bound, where nothing else is left.
+    that is named may be a delay, as may what bends a base whose own delay is at its bound, where that takes no other
+    names.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
     lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
     acts_late = find_late_action(given.recordings, usual)
     shows = acts_late > 0.0
-    if not shows and (lags or answer[0].unknown):
+    if not shows:
         acts_late = measure_late_torque(answer[0].case.baseline) or max(lags, default=0.0)
     if acts_late <= usual:
         return answer
     _report(progress, "searching with the torque where it acts")
     base = _choose_base(given, SETTINGS.draws, acts_late)
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
-    longer = not shows and len(verdict.effects) + 1 > max(len(answer[1].effects), 1)
-    if longer or verdict.held.rmse_after > answer[1].held.rmse_after:
+    if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer[1])):
         return answer
     late = name_late_action(findings)
     return findings, verdict if late.parameters["delay"].ci95[0] <= usual else join_channels(verdict, [late])
+
+
+def _leaves_less(moved: Verdict, before: Verdict) -> bool:
+    return moved.held.rmse_after <= before.held.rmse_after
+
+
+def _completes(moved: Verdict, before: Verdict) -> bool:
+    """Whether a late torque needs no names but those that were there without it, and makes the error fall clearly."""
+    names, known = ({effect.name for effect in one.effects} for one in (moved, before))
+    return names <= known and moved.held.rmse_after < (1.0 - SETTINGS.late_fall) * before.held.rmse_after
 
 
 def _choose_base(given: Given, draws: int, acts_late: float = 0.0) -> Callable[..., Baseline]:
