@@ -61,6 +61,7 @@ def search(baseline: Baseline) -> SearchResult:
         tried += _grow(baseline, tried, accepted[:1], threshold, first)
         if all(one is not accepted[0] for one in free):  # what lies beside it may show from the free base alone
             tried += _grow(baseline, tried, rank_acceptable(free, threshold)[:1], threshold, first)
+        tried += _grow(baseline, tried, _select_own(accepted), threshold)
         tried += _grow(baseline, tried, _select_partners(tried, accepted[0], threshold), threshold)
         tried += _grow(baseline, tried, _rank_pairs(tried, threshold)[:1], threshold)
         tried += _swap_pairs(baseline, tried, threshold)
@@ -78,6 +79,16 @@ def search(baseline: Baseline) -> SearchResult:
             best = choose(baseline, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return SearchResult(tuple(tried), best, threshold, explainable, null, first)
+
+
+def _select_own(accepted: Sequence[Explanation]) -> list[Explanation]:
+    """Select the best explanation without an effect that imitates others, where one with it comes first.
+
+    Pushes in stretches of time that were chosen by what is left take what a law would explain with another effect
+    beside it, as a stop that is met now and then.
+    """
+    own = [e for e in accepted if not any(one.effect.imitates_others for one in e.settled)]
+    return own[:1] if own[:1] != list(accepted[:1]) else []
 
 
 def _select_partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:
