@@ -44,8 +44,8 @@ back, its Coulomb and its constant torque are one, and their difference would be
 
 @dataclass(frozen=True)
 class HeldOutErrors:
-    """Root mean square errors of each joint on rows that took no part in the fit [N·m] or [N]. Shapes (n_joints,)
-    but for that of `means`.
+    """Root mean square errors of each joint on rows held out of the fit [N·m] or [N]. Shape (n_joints,) each, except
+    `means`.
 
     Attributes:
         simulation: Of the simulation's inverse dynamics, with a Coulomb, a viscous and a constant torque fitted.

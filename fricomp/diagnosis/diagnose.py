@@ -232,10 +232,10 @@ def _weigh_late_action(
     names.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
-    lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
     acts_late = find_late_action(given.recordings, usual)
     shows = acts_late > 0.0
     if not shows:
+        lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
         acts_late = measure_late_torque(answer[0].case.baseline) or max(lags, default=0.0)
     if acts_late <= usual:
         return answer

@@ -94,7 +94,9 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     fits = run_together(descents, split_evaluation(evaluate))
     best, free = min(zip(fits, boxes, strict=True), key=lambda one: one[0].cost)
     faded = unpack(best.theta).level < JOINT.faded_level * unpack(fit.theta).level
-    return None if faded or best.cost >= JOINT.hopeless_cost * fit.cost else (fit_base(problem, best.theta, free), free)
+    if faded or best.cost >= JOINT.hopeless_cost * fit.cost:
+        return None
+    return fit_base(problem, best.theta, free), free
 
 
 def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:

@@ -183,11 +183,10 @@ def _choose_substeps(track: Track, plant: Plant, observer: Observer, gains: tupl
     stiffness = 3.0 * plant.sigma_0 if plant.creep_velocity == 0.0 else 0.0
     swing = np.sqrt((stiffness + gains[0]) / plant.inertia)
     seen = min(swing / observer.step, JOINT.row_substeps / observer.row_width)
-    stiffest = max(seen, swing / JOINT.stable_substep)
+    stable = swing / JOINT.stable_substep
     fastest = gains[1] / plant.inertia / JOINT.held_substep
-    fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *JOINT.fine_substeps))
-    loose = max(fastest, 0.5 * swing / JOINT.stable_substep)
-    coarse = int(np.clip(np.ceil(loose * track.dt), JOINT.coarse_substeps, fine))
+    fine = int(np.clip(np.ceil(max(seen, stable, fastest) * track.dt), *JOINT.fine_substeps))
+    coarse = int(np.clip(np.ceil(max(0.5 * stable, fastest) * track.dt), JOINT.coarse_substeps, fine))
     direction = np.sign(track.velocity) * (np.abs(track.velocity) > JOINT.certain_sliding * observer.rest_speed)
     turned = np.concatenate([[True], direction[1:] != direction[:-1]]) | (direction == 0.0)
     index = np.arange(track.size)

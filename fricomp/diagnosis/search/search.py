@@ -88,7 +88,7 @@ def _select_own(accepted: Sequence[Explanation]) -> list[Explanation]:
     beside it, as a stop that is met now and then.
     """
     own = [e for e in accepted if not any(one.effect.imitates_others for one in e.settled)]
-    return own[:1] if own[:1] != list(accepted[:1]) else []
+    return [] if own and own[0] is accepted[0] else own[:1]
 
 
 def _select_partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:

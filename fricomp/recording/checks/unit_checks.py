@@ -203,11 +203,14 @@ def _degrees_by_gravity(recording: Recording) -> str | None:
     if recording.metadata.continuous or np.ptp(recording.position) < _LARGEST_TRAVEL:
         return None
     left = _leave_by_position(recording)
-    if left is None or left.degrees > _CLEARLY * min(left.radians, left.bend):
+    if left is None:
+        return None
+    others = min(left.radians, left.bend)
+    if left.degrees > _CLEARLY * others:
         return None
     return (
         "the torque follows the sine of position / 57.3, as gravity does, and leaves "
-        f"{np.sqrt(min(left.radians, left.bend) / max(left.degrees, 1e-300)):.3g} times as much beside anything else"
+        f"{np.sqrt(others / max(left.degrees, 1e-300)):.3g} times as much beside anything else"
     )
 
 

@@ -180,9 +180,9 @@ def test_friction_is_felt_when_it_acts_however_long_the_steps(substeps: int, lag
 
 
 @pytest.mark.parametrize("creep_velocity", [0.0, 1e-6])
-@pytest.mark.parametrize("steps", [0.1, 1.0, 2.0, 12.0])
+@pytest.mark.parametrize(("steps", "most"), [(0.1, 1e-3), (1.0, 1e-3), (2.0, 1e-3), (12.0, 2e-3)])
 def test_viscous_friction_that_stops_the_joint_within_a_substep_leaves_nothing(
-    steps: float, creep_velocity: float
+    steps: float, most: float, creep_velocity: float
 ) -> None:
     """A slow joint with much grease: the recorded torque is what the friction takes, and the observer has no work."""
     dt, viscous, coulomb, omega = 2e-3, 2e3, 0.5, 2.0
@@ -197,7 +197,7 @@ def test_viscous_friction_that_stops_the_joint_within_a_substep_leaves_nothing(
     track = Track(dt, position, velocity, torque, 0.0, TorqueNoise(0.0, 0.0, 0.0), substeps=substeps)
     gains = (inertia * 30.0**2, 2.0 * inertia * 30.0)
     (missing,) = compute_missing_torques([Job(track, plant, Contribution())], Observer(rest_speed=1e-5), gains)
-    assert np.max(np.abs(missing[3000:-1])) < 2e-3 * coulomb
+    assert np.max(np.abs(missing[3000:-1])) < most * coulomb
 
 
 @pytest.mark.parametrize("damping", [0.0, 900.0, 4000.0])
