@@ -33,11 +33,12 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = JOINT.row_width)
 
 
 class WeakRows(NamedTuple):
-    """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint."""
+    """Rows of the weak form: shape (n,) each, `free` of shape (n, 4), or (n, 2) of a linear joint: an offset, a spring
+    and gravity."""
 
     torque: FloatArray
     inertia: FloatArray
-    gravity: FloatArray
+    free: FloatArray
     velocity: FloatArray
     direction: FloatArray
 
@@ -103,18 +104,18 @@ def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
 
     q = track.position
     curvature = curvature - curvature.mean()
-    gravity = [np.ones_like(q)] + ([np.cos(q), np.sin(q)] if track.rotary else [])
+    free = [np.ones_like(q), q] + ([np.cos(q), np.sin(q)] if track.rotary else [])
     return WeakRows(
         torque=average(track.torque, phi),
         inertia=average(q - q.mean(), curvature),
-        gravity=np.stack([average(g, phi) for g in gravity], axis=1),
+        free=np.stack([average(one, phi) for one in free], axis=1),
         velocity=average(track.velocity, phi),
         direction=np.sign(track.velocity[centres]),
     )
 
 
 def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
-    columns = [rows.inertia, *rows.gravity.T]
+    columns = [rows.inertia, *rows.free.T]
     for speed, sign in zip(np.exp(log_speeds), (1.0, -1.0), strict=True):
         on = rows.direction == sign
         fall = np.exp(-((rows.velocity / speed) ** 2))
@@ -123,14 +124,15 @@ def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
 
 
 def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> tuple[FloatArray, float]:
-    """Least squares with inertia and friction not negative, gravity and offset free, and a touch of ridge.
+    """Least squares with inertia and friction not negative, gravity, spring and offset free, and a touch of ridge.
 
-    Of solutions that fit alike it takes the one near the simulation, with hardly any offset, even directions and
-    friction that hardly falls with speed: sliding shows an offset and the difference of the directions as one sum,
-    and one speed shows Coulomb, static and viscous torque as one.
+    Of solutions that fit alike it takes the one near the simulation, with hardly any offset, no spring, even directions
+    and friction that hardly falls with speed: sliding shows an offset and the difference of the directions as one sum,
+    and one speed shows Coulomb, static and viscous torque as one. The spring is no part of the plant: an effect that
+    the search may find, which would pass for an inertia here.
     """
     A = _build_columns(log_speeds, rows)
-    free = rows.gravity.shape[1]
+    free = rows.free.shape[1]
     split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
     norm = np.linalg.norm(split, axis=0) + 1e-12
     forward, reverse = norm[1 + free : 4 + free], norm[4 + free : 7 + free]
@@ -149,17 +151,17 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
 
 
 def _build_usual(size: FloatArray, free: int, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
-    """Rows and right sides of what is usual: no offset, no fall of friction with speed, directions that are alike, and
-    inertia and gravity of the simulation.
+    """Rows and right sides of what is usual: no offset, no spring, no fall of friction with speed, directions that are
+    alike, and inertia and gravity of the simulation.
 
     Shapes (k, p), (k,).
     """
     opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
-    usual = [{1: 1.0, opposite + 1: -1.0}, {forward + 1: 1.0}, {forward + 4: 1.0}]
+    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, 2)] + [{forward + 1: 1.0}, {forward + 4: 1.0}]
     usual += [{one: 1.0, one + 3: -1.0} for one in range(forward, forward + 3)]
     wanted = [0.0] * len(usual)
     if known is not None:
-        columns = (0, *range(2, 1 + free))
+        columns = (0, *range(3, 1 + free))
         usual += [{0: 1.0}, *({column: 1.0, opposite + column: -1.0} for column in columns[1:])]
         body = known.inertia, *known.gravity
         wanted += [value * size[column] for value, column in zip(body, columns, strict=False)]
@@ -174,8 +176,8 @@ def _compute_cost(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | No
 
 
 def _build_plant(log_speeds: FloatArray, x: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
-    free = rows.gravity.shape[1]
-    gravity = (float(x[2]), float(x[3])) if free == 3 else (0.0, 0.0)
+    free = rows.free.shape[1]
+    gravity = (float(x[3]), float(x[4])) if free == 4 else (0.0, 0.0)
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
     speeds = np.exp(log_speeds)
     floor = 1e-3 * float(np.std(rows.torque))

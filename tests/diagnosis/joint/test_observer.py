@@ -78,6 +78,15 @@ def test_weak_form_recovers_the_joint() -> None:
     assert np.hypot(*found.gravity) == pytest.approx(joint.gravity, rel=0.02)
 
 
+@pytest.mark.parametrize("stiffness", [-8.0, 8.0, 40.0])
+def test_a_spring_is_no_inertia_to_the_weak_form(stiffness: float) -> None:
+    joint = ToyJoint()
+    track = track_of(joint, "rich", 60.0)
+    found, *_ = estimate_plants([replace(track, torque=track.torque + stiffness * track.position)])
+    assert found.inertia == pytest.approx(joint.inertia, rel=0.15)
+    assert found.forward[3] == pytest.approx(joint.forward[3], rel=0.05)
+
+
 def _move_one_way_at_one_speed(noise: float = 0.02) -> Track:
     """Forward at many speeds and back at one: the way back shows one number of its friction, and no offset."""
     dt, rng = 1e-3, np.random.default_rng(5)
