@@ -17,8 +17,8 @@ __all__ = ["USUAL_LAW", "identify_with_law"]
 
 USUAL_LAW = "stribeck"
 """Law of a recording for which none is asked."""
-_PLAIN_LAW, _SYMMETRIC_LAW = "coulomb_viscous", "symmetric_stribeck"
-"""Laws with six and four parameters less, which take the place of the usual one where it is not determined."""
+_PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW = "coulomb_viscous", "symmetric_stribeck", "bidirectional_coulomb_viscous"
+"""Laws with six, four and four parameters less, which take the place of the usual one where it is not determined."""
 _ONE_WAY_LAWS = ("coulomb_viscous", "coulomb")
 """Laws of a joint that moves in one direction alone, the first of which that is determined is given."""
 _ONE_WAY = "the joint moves in one direction alone, where friction, a constant torque and an error of gravity are one"
@@ -39,16 +39,18 @@ def identify_with_law(
     """The motion by the law that was asked for; by the usual one, or by a plainer one where that says as much.
 
     That eight parameters are not determined is no fault of the recording where four with the same curve in both
-    directions, or two without a bend, leave no more of the torque. `one_way` says that it goes in one direction alone.
+    directions, four without a bend, or two, leave no more of the torque. `one_way` says that it goes in one direction
+    alone.
     """
     if one_way and not law:
         return _identify_one_way(samples, settings, options)
     found = identify_motion(samples, settings, law=law or USUAL_LAW, options=options)
     if law or find_doubt_in_status(found.friction.status, "") is None:
         return found, []
-    fits = {law: _fit_usable(samples, settings, law, options) for law in (_PLAIN_LAW, _SYMMETRIC_LAW)}
-    plain, symmetric = fits.values()
-    for plainer, gain_counts in ((plain, False), (symmetric, True), (plain, True)):
+    laws = (_PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW)
+    fits = {law: _fit_usable(samples, settings, law, options) for law in laws}
+    plain, symmetric, flat = fits.values()
+    for plainer, gain_counts in ((plain, False), (symmetric, True), (flat, True), (plain, True)):
         if plainer is not None and _is_as_good(plainer, found, gain_counts=gain_counts):
             name = next(law for law, fit in fits.items() if fit is plainer)
             why = found.friction.message.split(";", 1)[0].split(":", 1)[0]

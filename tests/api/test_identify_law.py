@@ -33,6 +33,20 @@ def test_a_joint_without_a_stribeck_effect_is_usable_by_the_plain_law(rate: floa
     assert any(note.startswith("Law: coulomb_viscous, which leaves no more") for note in found.notes)
 
 
+@pytest.mark.parametrize(("rate", "seed"), [(200.0, 4), pytest.param(333.0, 7, marks=pytest.mark.slow)])
+def test_a_joint_that_drags_more_one_way_is_usable_by_a_straight_line_for_each(rate: float, seed: int) -> None:
+    log = joint_log(16.0, rate, seed)
+    assert log.velocity is not None
+    dragged = np.asarray(log.torque) + 0.5 * VISCOUS * np.minimum(log.velocity, 0.0)
+    found = fricomp.identify(log.with_channels(torque=dragged))
+    assert found.is_usable, found.result.message
+    for direction, viscous in (("forward", VISCOUS), ("reverse", 1.5 * VISCOUS)):
+        assert found.parameters[f"stribeck.{direction}.coulomb_torque"] == pytest.approx(COULOMB, rel=0.02)
+        assert found.parameters[f"stribeck.{direction}.viscous_coefficient"] == pytest.approx(viscous, rel=0.05)
+    assert found.model.reverse.static_torque == found.parameters["stribeck.reverse.coulomb_torque"]
+    assert any(note.startswith("Law: bidirectional_coulomb_viscous, which") for note in found.notes)
+
+
 @pytest.mark.slow
 def test_a_law_that_was_asked_for_is_kept() -> None:
     found = fricomp.identify(joint_log(20.0, 200.0, 5), law="stribeck")

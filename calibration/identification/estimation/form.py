@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar, Literal
 
@@ -137,6 +137,7 @@ class SeparableLaw:
         template: A law of this form; its parameter values do not matter, its reference load does.
         bidirectional: Whether each direction is a branch of its own.
         sensitivity_name: Dotted name of the load sensitivity, or None where it is not estimated.
+        tied: Parameters of the law that always have the value of an estimated one, by their names.
     """
 
     name: str
@@ -146,6 +147,7 @@ class SeparableLaw:
     bidirectional: bool
     reference_load: float = 1.0
     sensitivity_name: str | None = None
+    tied: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def branch_size(self) -> int:
@@ -220,7 +222,7 @@ class SeparableLaw:
 
     def law(self, values: Mapping[str, float]) -> FrictionLaw:
         """The friction law with these parameters."""
-        return self.template.replace(dict(values))
+        return self.template.replace(dict(values) | {name: values[of] for name, of in self.tied.items()})
 
 
 _NO_LOAD = np.ones((1, 1))
@@ -229,6 +231,8 @@ LARGEST_DRY = 10.0
 _DRY = ("coulomb_torque", "static_torque")
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
 _FREE_CURVE = (*_CURVE, "stribeck_exponent")
+_FLAT = {f"stribeck.{d}.static_torque": f"stribeck.{d}.coulomb_torque" for d in ("forward", "reverse")}
+"""What makes a Stribeck curve one that does not fall."""
 _ONE = StribeckCurve(1.0, 1.0, 1.0, 1.0)
 _Template = tuple[Basis, tuple[str, ...], bool]
 _FORMS: Mapping[str, _Template] = {
@@ -241,6 +245,11 @@ _FORMS: Mapping[str, _Template] = {
     "symmetric_stribeck": (_Stribeck(), tuple(f"symmetric_stribeck.curve.{p}" for p in _CURVE), False),
     "coulomb": (_Coulomb(), ("coulomb.coulomb_torque",), False),
     "coulomb_viscous": (_CoulombViscous(), ("coulomb.coulomb_torque", "viscous.viscous_coefficient"), False),
+    "bidirectional_coulomb_viscous": (
+        _CoulombViscous(),
+        tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in ("coulomb_torque", "viscous_coefficient")),
+        True,
+    ),
     "tanh": (
         _Tanh(),
         ("smoothed_coulomb.coulomb_torque", "smoothed_coulomb.smoothing_velocity", "viscous.viscous_coefficient"),
@@ -278,7 +287,8 @@ def separable_law(name: str, load: LoadScaling | None = None, *, free_sensitivit
     sensitivity = f"{owner}.load.load_sensitivity" if free_sensitivity else None
     all_names = (*names, sensitivity) if sensitivity else names
     reference = (load or LoadScaling()).reference_load
-    return SeparableLaw(name, basis, all_names, template, bidirectional, reference, sensitivity)
+    tied = _FLAT if name == "bidirectional_coulomb_viscous" else {}
+    return SeparableLaw(name, basis, all_names, template, bidirectional, reference, sensitivity, tied)
 
 
 def _template(name: str, load: LoadScaling) -> FrictionLaw:
@@ -289,6 +299,7 @@ def _template(name: str, load: LoadScaling) -> FrictionLaw:
         "symmetric_stribeck": (Stribeck(_ONE, load),),
         "coulomb": (Coulomb(1.0, load),),
         "coulomb_viscous": (Coulomb(1.0, load), Viscous(1.0)),
+        "bidirectional_coulomb_viscous": (BidirectionalStribeck(_ONE, _ONE, load),),
         "tanh": (SmoothedCoulomb(1.0, 1.0, shape, load), Viscous(1.0)),
         "arctan": (SmoothedCoulomb(1.0, 1.0, shape, load), Viscous(1.0)),
     }

@@ -166,7 +166,17 @@ def test_unusable_input_is_refused_with_a_reason(
         identify(velocity, torque, **settings)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("law", ["coulomb", "coulomb_viscous", "tanh", "arctan", "symmetric_stribeck"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "coulomb",
+        "coulomb_viscous",
+        "bidirectional_coulomb_viscous",
+        "tanh",
+        "arctan",
+        "symmetric_stribeck",
+    ],
+)
 def test_every_static_law_recovers_itself(law: str) -> None:
     from fricomp.calibration.identification.estimation.form import separable_law
 
