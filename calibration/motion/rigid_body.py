@@ -124,6 +124,8 @@ def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows 
     has_offset = not _is_one_way(samples.velocity[chosen])
     body = _body_columns(samples, gravity, has_offset=has_offset)[chosen]
     columns = np.column_stack([body, samples.velocity[chosen], samples.direction[chosen]])
+    if len(columns) < columns.shape[1]:
+        raise IdentificationError(_NOT_APART)
     torque = samples.torque[chosen]
     fit = solve_correlated(columns, torque, np.flatnonzero(chosen), _REACH)
     if fit.rank < columns.shape[1]:

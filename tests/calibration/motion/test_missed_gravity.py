@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import fricomp
+from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
 from fricomp.sim_bench.studies.logs.good_log import COULOMB, joint_log
 
@@ -36,3 +37,11 @@ def test_a_joint_without_gravity_is_given_none() -> None:
     assert found.is_usable
     assert found.motion is not None
     assert not any(found.motion.rigid_body.gravity)
+
+
+def test_a_joint_that_never_slides_for_long_is_refused_with_that_reason() -> None:
+    time, rate = np.arange(0.0, 10.0, 0.002), 2.0 * np.pi * 24.0
+    velocity = 0.05 * rate * np.cos(rate * time)
+    torque = 0.3 * np.sign(velocity) - 0.001 * 0.05 * rate**2 * np.sin(rate * time)
+    with pytest.raises(IdentificationError, match="0 slide in one direction for as long as the low-pass sees"):
+        fricomp.identify(Recording(time, 0.05 * np.sin(rate * time), torque))
