@@ -70,7 +70,9 @@ def examine_arm(
         MissingExtraError: A package is not installed; the message names the extra that brings it.
     """
     require("mujoco", extra="diagnose")
-    recordings, paths = _read(log, mapping, channels)
+    recordings, paths = _read(
+        log, Path(simulation), {"mapping": os.fspath(mapping), "channels": channels, "names": names}
+    )
     settings = {"names": names, "gains": gains, "prior": prior, "seed": seed, "progress": progress}
     if out is None:
         return _examine(recordings, Path(simulation), settings)[0]
@@ -110,7 +112,7 @@ def take_session(log: ArmLog) -> tuple[Recording, ...]:
 
 
 def _read(
-    log: Source | Sequence[Source] | Sequence[Recording] | ArmLog, mapping: Source, channels: Mapping[str, str] | None
+    log: Source | Sequence[Source] | Sequence[Recording] | ArmLog, simulation: Path, settings: dict[str, Any]
 ) -> tuple[Sequence[Recording], list[Path]]:
     """Recordings of all joints, and the files that they are from."""
     if isinstance(log, ArmLog):
@@ -120,5 +122,5 @@ def _read(
     if len(recordings) == len(sources):
         return recordings, []
     paths = [os.fspath(one) for one in sources if not isinstance(one, Recording)]
-    read = read_arm_log(paths, mapping=os.fspath(mapping), channels=channels)
+    read = read_arm_log(paths, simulation=simulation, **settings)
     return take_session(read), list(read.files)

@@ -82,7 +82,8 @@ class PriorSizes:
     """What the prior of each joint is measured in, as the simulation and the recording have it. Shapes (n_joints,).
 
     Attributes:
-        rotor: Inertia that the joint shows by its acceleration in the simulation [kg·m²] or [kg].
+        rotor: A rotor's inertia as far as it may be off; where the simulation has none, all that the torques allow
+            [kg·m²] or [kg].
         torque: A friction torque as wide as the prior lets it be [N·m] or [N].
         level: Coulomb friction beside the simulated torque [N·m] or [N].
         speed: Top speed [rad/s] or [m/s].
@@ -212,7 +213,7 @@ class Coordinates:
         deviation[: self.n_inertial] = np.repeat(wide, N_INERTIA)
         rotors = slice(self.n_inertial, self.n_inertial + len(arm.joints))
         mean[rotors] = arm.armature
-        deviation[rotors] = prior.rotors * np.maximum(sizes.rotor + arm.armature, 1e-9)
+        deviation[rotors] = sizes.rotor
         for j in self.model.rotorless:
             mean[self.n_inertial + j], deviation[self.n_inertial + j] = 0.0, _HELD
         for j, place in enumerate(self.places):
@@ -233,11 +234,14 @@ class Coordinates:
 def measure_sizes(arm: SimulatedArm, equations: ArmEquations | EquationSums, prior: ArmPrior) -> PriorSizes:
     """What the priors of the joints are measured in; no model changes it."""
     n, sums = N_INERTIA * len(arm.links), equations.sums
-    own = np.abs(sums[:, n, :n] @ arm.inertia.ravel()) / np.maximum(sums[:, n, n], 1e-12)
+    squares = np.maximum(sums[:, n, n], 1e-12)  # of the acceleration
+    own = np.abs(sums[:, n, :n] @ arm.inertia.ravel()) / squares
+    stated = prior.rotors * np.maximum(own + arm.armature, 1e-9)
+    rotor = np.where(arm.armature > 0.0, stated, np.maximum(np.sqrt(sums[:, -1, -1] / squares), stated))
     ones = np.maximum(sums[:, n + 2, n + 2], 1.0)  # of the column of the offset
     typical = prior.friction * np.sqrt(np.maximum(sums[:, -1, -1] / ones, 1e-18))
     levels = [_guess_level(arm, one, j, float(typical[j])) for j, one in enumerate(sums)]
-    return PriorSizes(own, typical, np.array(levels), equations.top_speed)
+    return PriorSizes(rotor, typical, np.array(levels), equations.top_speed)
 
 
 def _scale(equations: ArmEquations | EquationSums) -> FloatArray:

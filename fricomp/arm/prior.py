@@ -14,7 +14,8 @@ class ArmPrior:
     Attributes:
         links: Of each coordinate of a link's inertia, relative: 0.1 is a mass, and a size, that are right to some
             20 %. Make it larger where the links' masses are guessed, smaller where they were weighed.
-        rotors: Of a rotor's inertia, as part of the joint's own mean inertia: files seldom know it.
+        rotors: Of a rotor's inertia, as part of the joint's own mean inertia. A URDF holds none, and one behind a gear
+            can be many times its links': where the simulation has none it may be all that the torques allow.
         friction: Of each friction torque, as part of the joint's typical torque. Wide, since nobody knows friction.
         stribeck: Of what a Stribeck curve has above its Coulomb level, as part of that level: gears have up to one.
         spring: Of a spring's stiffness, as part of the Coulomb level per radian: a cable pulls by about what the joint

@@ -16,11 +16,11 @@ JOINTS = ("shoulder", "elbow", "wrist")
 MASSES = (4.0, 2.5, 1.2)
 _MJCF = """<mujoco><compiler angle="radian"/><worldbody>
 <body name="upper"><inertial pos="0 0 0.15" mass="{0}" diaginertia="0.04 0.04 0.01"/>
-<joint name="shoulder" axis="0 1 0"/>
+<joint name="shoulder" axis="0 1 0" armature="{3}"/>
 <body name="lower" pos="0 0 0.35"><inertial pos="0.02 0 0.12" mass="{1}" diaginertia="0.02 0.02 0.005"/>
-<joint name="elbow" axis="0 1 0"/>
+<joint name="elbow" axis="0 1 0" armature="{4}"/>
 <body name="hand" pos="0 0 0.3"><inertial pos="0 0.01 0.06" mass="{2}" diaginertia="0.005 0.005 0.003"/>
-<joint name="wrist" axis="1 0 0"/>
+<joint name="wrist" axis="1 0 0" armature="{5}"/>
 <body name="finger" pos="0 0 0.1"><inertial pos="0 0 0" mass="0.05" diaginertia="1e-5 1e-5 1e-5"/>
 <joint name="grip" type="slide" axis="1 0 0" range="0 0.04"/></body></body></body></body></worldbody></mujoco>"""
 _LEVELS, _SLOPES = (1.2, 0.8, 0.3), (0.6, 0.4, 0.1)
@@ -29,9 +29,13 @@ Friction = Callable[[int, FloatArray, FloatArray, FloatArray], FloatArray]
 """Torque of a joint beside Coulomb and viscous friction: its number, position, velocity and transmitted torque."""
 
 
-def write_arm(folder: Path, masses: tuple[float, float, float] = MASSES) -> Path:
-    path = folder / f"arm-{'-'.join(map(str, masses))}.xml"
-    path.write_text(_MJCF.format(*masses))
+def write_arm(
+    folder: Path,
+    masses: tuple[float, float, float] = MASSES,
+    rotors: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Path:
+    path = folder / f"arm-{'-'.join(map(str, (*masses, *rotors)))}.xml"
+    path.write_text(_MJCF.format(*masses, *rotors))
     return path
 
 

@@ -57,6 +57,16 @@ def test_a_delay_of_all_torques_is_found_once(healthy: ArmExamination) -> None:
     assert healthy.record.delay.value == pytest.approx(0.004, abs=5e-4)
 
 
+def test_rotors_that_the_simulation_lacks_are_no_gain_of_all_torques_and_no_lighter_links(tmp_path: Path) -> None:
+    rotors = (5.0, 3.0, 0.8)  # behind gears, more than the links; a URDF has none
+    record = examine_arm(record_arm(write_arm(tmp_path, rotors=rotors)), write_arm(tmp_path)).record
+    assert record.gain is None
+    assert [link.name for link in record.links if link.state == "off"] == []
+    assert names_of(record) == {"shoulder": [], "elbow": [], "wrist": []}
+    for joint, truth in zip(record.joints, rotors, strict=True):
+        assert joint.rotor_inertia.value == pytest.approx(truth, rel=0.1)
+
+
 def test_the_error_of_a_healthy_arm_is_its_noise(healthy: ArmExamination) -> None:
     """0.03 N·m of white noise through a low-pass leaves less than that, and the model leaves no more."""
     assert all(joint.error_model < 0.03 for joint in healthy.record.joints)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from glob import glob
 from pathlib import Path
 
-from fricomp.errors import RecordingError
-from fricomp.recording import Recording, convert, load_mapping, read_recording
+from fricomp.arm.rigid.naming import match_joints
+from fricomp.errors import RecordingError, SimulationFileError
+from fricomp.recording import Recording, RecordingMetadata, convert, load_mapping, read_recording
 from fricomp.recording.named.log import is_native, read_named_log, separate_joints
 from fricomp.recording.named.source import is_bag_folder, read_quantity_files
+from fricomp.simulation_file import compile_simulation
 
 __all__ = ["ArmLog", "list_log_files", "read_arm_log"]
 
@@ -44,7 +46,12 @@ class ArmLog:
 
 
 def read_arm_log(
-    sources: Sequence[str | Path], *, mapping: str | Path = "", channels: Mapping[str, str] | None = None
+    sources: Sequence[str | Path],
+    *,
+    mapping: str | Path = "",
+    channels: Mapping[str, str] | None = None,
+    simulation: str | Path | None = None,
+    names: Mapping[str, str] | None = None,
 ) -> ArmLog:
     """Read a log of an arm: a bag, one table with the columns of all joints, or a recording of each joint.
 
@@ -54,12 +61,16 @@ def read_arm_log(
         mapping: Mapping file, or the name of one in the package, where names do not say it.
         channels: Column by channel where several could be one, such as {"torque": "tau_measured"}; the name is that
             of the columns of all joints without the joint, or with `{joint}` in its place.
+        simulation: Of the arm. Files that name no joint, and are each called as one of its joints (`elbow.csv`), are
+            those of these joints.
+        names: Names in the simulation by such names of files, where they differ by more than the word joint.
 
     Raises:
         RecordingError: A source cannot be read, or does not say what its columns are.
+        SimulationFileError: The simulation cannot be read.
         MissingExtraError: The package that reads a format is not installed.
     """
-    single: list[Recording] = []
+    single: dict[Path, Recording] = {}
     sessions: list[tuple[Recording, ...]] = []
     notes: list[str] = []
     files = list_log_files(sources)
@@ -67,9 +78,11 @@ def read_arm_log(
         found = _read_one(path, str(mapping), dict(channels or {}), notes)
         if len(found) > 1:
             sessions.append(found)
-        else:
-            single += found
-    return ArmLog((*_group(single), *sessions), tuple(notes), tuple(files))
+        elif found:
+            single[path] = found[0]
+    if simulation is not None:
+        single = _name_by_files(single, simulation, names or {}, notes)
+    return ArmLog((*_group(list(single.values())), *sessions), tuple(notes), tuple(files))
 
 
 def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
@@ -105,6 +118,22 @@ def _read_one(path: Path, mapping: str, channels: dict[str, str], notes: list[st
         log = read_named_log(path, channels)
     notes += log.notes
     return log.recordings
+
+
+def _name_by_files(
+    single: dict[Path, Recording], simulation: str | Path, names: Mapping[str, str], notes: list[str]
+) -> dict[Path, Recording]:
+    """Recordings that name no joint, called as their files, where each file is called as a joint of the simulation."""
+    stems = [path.stem for path in single]
+    if len(single) < 2 or any(one.metadata.joint != RecordingMetadata().joint for one in single.values()):
+        return single
+    model = compile_simulation(simulation)
+    try:
+        match_joints(stems, [model.joint(i).name for i in range(model.njnt)], names)
+    except SimulationFileError:
+        return single  # several recordings of one joint
+    notes.append(f"Each file is taken for the joint that it is called after: {', '.join(stems)}.")
+    return {path: replace(one, metadata=replace(one.metadata, joint=path.stem)) for path, one in single.items()}
 
 
 def _group(recordings: Sequence[Recording]) -> list[tuple[Recording, ...]]:

@@ -152,7 +152,9 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
     files = list_log_files(sources) if simulation is not None or options.mapping else given
     if not asked and all(map(is_native, files)) and (len(files) == 1 or simulation is None):
         return None
-    log = read_arm_log(files, mapping=options.mapping, channels=options.channels)
+    log = read_arm_log(
+        files, mapping=options.mapping, channels=options.channels, simulation=simulation, names=options.names
+    )
     if simulation is None and log.is_arm:
         count = len(log.sessions[0])
         raise ParameterError(

@@ -12,6 +12,8 @@ from fricomp.arm.log import ArmLog, read_arm_log
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, RecordingMetadata, write_recording
 
+from ..moving_arm import write_arm
+
 N_ROWS, N_JOINTS = 400, 3
 TIME = np.arange(N_ROWS) / 100.0
 POSITION = np.stack([np.sin((j + 1) * TIME) for j in range(N_JOINTS)], axis=1)
@@ -175,3 +177,32 @@ def test_rows_without_numbers_cost_only_themselves(tmp_path: Path) -> None:
 def test_what_does_not_say_its_columns_is_refused(tmp_path: Path, columns: dict[str, np.ndarray], message: str) -> None:
     with pytest.raises(RecordingError, match=message):
         read_arm_log([write_csv(tmp_path / "log.csv", columns)])
+
+
+def write_files_of_joints(folder: Path, names: tuple[str, ...]) -> Path:
+    """A recording a file whose columns are called as channels are, so that nothing in it names the joint."""
+    log = folder / "log"
+    log.mkdir()
+    for j, name in enumerate(names):
+        write_csv(log / f"{name}.csv", {"time": TIME, "position": POSITION[:, j], "torque": TORQUE[:, j]})
+    return log
+
+
+def test_files_that_are_called_as_joints_are_an_arm(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    log = read_arm_log([write_files_of_joints(tmp_path, ("arm_elbow", "arm_shoulder", "arm_wrist"))])
+    assert not log.is_arm
+    log = read_arm_log(log.files, simulation=simulation)
+    assert log.is_arm
+    assert [one.metadata.joint for one in log.recordings] == ["arm_elbow", "arm_shoulder", "arm_wrist"]
+
+
+def test_files_that_are_called_otherwise_stay_recordings_of_one_joint(tmp_path: Path) -> None:
+    log = read_arm_log([write_files_of_joints(tmp_path, ("slow", "fast"))], simulation=write_arm(tmp_path))
+    assert not log.is_arm
+
+
+def test_files_are_the_joints_that_the_user_says(tmp_path: Path) -> None:
+    names = {"a": "shoulder", "b": "elbow"}
+    log = read_arm_log([write_files_of_joints(tmp_path, ("a", "b"))], simulation=write_arm(tmp_path), names=names)
+    assert log.is_arm
