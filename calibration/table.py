@@ -134,7 +134,10 @@ def _read_fast(path: Path) -> FrictionTable | None:
 
 def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
     """What a header lacks that is neither a table's nor a recording's."""
-    advice = "rename or add columns, or bring a recording in with 'fricomp convert SOURCE --mapping FILE'"
+    advice = (
+        f"rename or add columns, look at them with 'fricomp convert {path} --inspect', or bring a recording in with "
+        "'fricomp convert SOURCE --mapping FILE'"
+    )
     if len(columns) == 1 and any(sign in columns[0] for sign in ";\t"):
         advice = "separate the columns of the rows by the same mark as the names"
     elif {"time", *_REQUIRED} & {name.lower() for name in columns}.difference(columns):

@@ -121,6 +121,8 @@ def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows 
         IdentificationError: The motion does not excite all of them.
     """
     chosen = np.ones(len(samples.torque), dtype=bool) if rows is None else rows
+    if not chosen.any():
+        raise IdentificationError(_NOT_APART)
     has_offset = not _is_one_way(samples.velocity[chosen])
     body = _body_columns(samples, gravity, has_offset=has_offset)[chosen]
     columns = np.column_stack([body, samples.velocity[chosen], samples.direction[chosen]])

@@ -91,6 +91,9 @@ def channel_units(metadata: RecordingMetadata) -> dict[str, str]:
         "velocity_reference": f"{x}/s",
         "torque_command": torque,
         "normal_load": "N",
+        "motor_position": x,
+        "housing_temperature": "°C",
+        "supply_voltage": "V",
     }
 
 

@@ -14,6 +14,13 @@ Samples = NDArray[np.float64]
 
 _SHORTEST = 100
 """Rows of a run; shorter stretches between two falls of the clock are rows out of order."""
+_RANGES = (
+    *(86400.0, 43200.0, 3600.0, 60.0),
+    *(2.0**bits * tick for tick in (1e-6, 1e-3, 1e-9) for bits in (32, 31, 24, 16)),
+)
+"""After how long times of day and counters of 16 to 32 bits begin anew [s]."""
+_FEW = 5.0
+"""Usual steps within which the first stamp after that follows the last one before."""
 _BETWEEN = 1.0
 """Time that is put between two runs [s]: a gap, at which whatever reads the recording cuts it."""
 
@@ -33,6 +40,13 @@ def order_runs(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tup
         return turned, (
             Finding("backward_time", "note", "the rows run backwards in time and were turned", "nothing to do"),
         )
+    period = _find_period(step)
+    if period:
+        time = np.array(time)
+        for row in np.flatnonzero(step < 0.0) + 1:
+            time[row:] += period
+        message = f"the clock begins anew after {period:.6g} s, as a counter that is full does: it was carried on"
+        return {**channels, "time": time}, (Finding("runs", "note", message, "nothing to do", column="time"),)
     falls = np.flatnonzero(step < 0.0) + 1
     edges = np.concatenate([[0], falls, [time.size]])
     if np.min(np.diff(edges)) < _SHORTEST:
@@ -43,6 +57,12 @@ def order_runs(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tup
     message = f"the clock starts again {falls.size} time(s): the runs were put one after the other, with a gap between"
     finding = Finding("runs", "note", message, "nothing to do", int(falls[0]) + 1, "time")
     return {**channels, "time": later}, (finding,)
+
+
+def _find_period(step: Samples) -> float:
+    """The range of a clock all of whose falls are such a range less a few steps [s]; 0 where there is none."""
+    falls, usual = step[step < 0.0], float(np.median(step))
+    return next((one for one in _RANGES if np.all((falls + one > 0.0) & (falls + one < _FEW * usual))), 0.0)
 
 
 def integrate(values: Samples, time: Samples) -> Samples:

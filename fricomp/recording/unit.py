@@ -34,6 +34,7 @@ UNITS = {
     "us": Unit(1e-6, "s"),
     "ns": Unit(1e-9, "s"),
     "min": Unit(60.0, "s"),
+    "d": Unit(86400.0, "s"),
     "rad": Unit(1.0, "rad"),
     "mrad": Unit(1e-3, "rad"),
     "deg": Unit(pi / 180, "rad"),

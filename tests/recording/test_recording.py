@@ -8,6 +8,8 @@ import pytest
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, RecordingMetadata, concatenate
+from fricomp.recording.metadata import channel_units
+from fricomp.recording.recording import CHANNELS
 
 MakeRecording = Callable[..., Recording]
 
@@ -121,3 +123,7 @@ def test_motor_torque_comes_to_the_joint_through_the_gear(make_recording: MakeRe
     assert screw.metadata.torque_unit == "N"
     with pytest.raises(RecordingError, match="gear_ratio is unknown"):
         motor.with_metadata(gear_ratio=None).on_joint_side()
+
+
+def test_every_channel_has_a_unit() -> None:
+    assert set(channel_units(RecordingMetadata())) == set(CHANNELS)

@@ -10,6 +10,7 @@ from fricomp.recording.recording import Recording
 
 Samples = NDArray[np.float64]
 
+_NEAR_LEVELS = 50.0  # steps between two levels within which their number is sure
 _FEW_STEPS = 20  # encoder steps of travel below which only presliding can be seen
 _REST_PART = 0.5  # part of the time at rest that deserves a word
 _STUCK_TIME = 0.25  # [s]
@@ -20,6 +21,7 @@ _STUCK_SHARE = 0.02  # step of a channel over its deviation, above which it may 
 _BEYOND_LAG = 2.0  # usual distances from the reference, that it must move while the position stays
 _WRAP_FACTOR = 10.0  # a wrap is so many times larger than the steps around it
 _JUMP_FACTOR = 30.0
+_PLACEHOLDERS = 0.2  # part of the rows that hold a number for no value, above which the log is something else
 _SPIKE_FACTOR = 25.0
 
 
@@ -31,6 +33,8 @@ def find_position_step(position: Samples) -> float | None:
     if gaps.size < 20:
         return None
     step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
+    near = gaps[gaps < _NEAR_LEVELS * step]
+    step = float(near.sum() / np.round(near / step).sum())  # numbers written with few decimals round each gap
     whole = np.abs(gaps / step - np.round(gaps / step)) < 0.02
     return step if whole.mean() > 0.98 else None
 
@@ -113,6 +117,12 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
     near_turn = np.abs(size - turn) < 0.1 * turn
     near_range = size > 0.95 * travel
     wraps = np.flatnonzero((near_turn | near_range) & (size > _WRAP_FACTOR * usual))
+    standing = _find_placeholder(recording.position, float(size[wraps[0]])) if wraps.size else None
+    if standing is not None:
+        rows = np.flatnonzero(recording.position == standing)
+        message = f"position is {standing:.6g} in {rows.size} row(s), far from all others: it stands for no value"
+        advice = "leave these rows out; identify and diagnose do so by themselves"
+        return (Finding("spike", "warning", message, advice, int(rows[0]) + 1, "position"),)
     if wraps.size:
         row = int(wraps[0])
         what = "2π" if near_turn[row] else "its whole range"
@@ -132,6 +142,20 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
     row = int(jumps[0])
     message = f"position jumps by {step[row]:.5g} {recording.metadata.position_unit} where {usual[row]:.2g} is usual"
     return (Finding("jump", "warning", message, "look for lost samples; split there", row + 2, "position"),)
+
+
+def _find_placeholder(position: Samples, size: float) -> float | None:
+    """The one value that all rows far from the usual position have, such as -9999; None where they have several.
+
+    Beyond a wrap a joint goes on moving.
+
+    Args:
+        position: Shape (n_samples,).
+        size: How far the position jumps.
+    """
+    far = position[np.abs(position - np.median(position)) > 0.5 * size]
+    few = 1 < far.size <= _PLACEHOLDERS * position.size
+    return float(far[0]) if few and np.all(far == far[0]) else None
 
 
 def find_spikes(recording: Recording) -> tuple[Finding, ...]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fricomp.recording.checks.motion_kind import find_steps
 from fricomp.recording.checks.signal_checks import find_position_step
+from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.checks.torque_causes import explain_energy
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
@@ -294,6 +295,11 @@ def _increments(recording: Recording) -> tuple[Samples, Samples] | None:
     path = np.concatenate([[0.0], np.cumsum(step)])
     marks = np.arange(0, len(recording), rows)
     moved, expected = np.diff(recording.position[marks]), np.diff(path[marks])
+    gaps = np.flatnonzero(np.diff(recording.time) > find_gap_length(recording))
+    whole = np.diff(np.searchsorted(gaps, marks)) == 0  # what happened in a gap is in neither of both
+    moved, expected = moved[whole], expected[whole]
+    if not moved.size:
+        return None
     usual = np.abs(moved) <= 20 * np.percentile(np.abs(moved), 75)  # wraps have a check of their own
     moved, expected = moved[usual], expected[usual]
     still = np.abs(moved).sum() < 40 * (recording.metadata.encoder_resolution or 0.0)

@@ -13,8 +13,9 @@ from fricomp.recording.checks.checks import check_recording
 from fricomp.recording.file import is_own, read_content
 from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import TORQUES
-from fricomp.recording.named.column import ColumnMeaning, read_column_name
-from fricomp.recording.named.log import NamedLog, separate_joints
+from fricomp.recording.named.clock import find_stamps
+from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
+from fricomp.recording.named.log import NamedLog, are_counts, separate_joints
 from fricomp.recording.named.source import (
     has_rows,
     is_bag_folder,
@@ -24,9 +25,13 @@ from fricomp.recording.named.source import (
 )
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
+from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
 
-from .unnamed import guess_columns, render_guess
+from .unnamed import Guess, GuessedJoint, guess_columns, render_guess
+
+_ASKED_FOR = ("position_reference", "velocity_reference", "torque_command")
+"""What a joint was asked for; it is never proposed as what was measured."""
 
 __all__ = ["InspectedColumn", "Inspection", "inspect_log"]
 
@@ -94,10 +99,11 @@ def inspect_log(path: Path, channels: Mapping[str, str] | None = None) -> Inspec
     for joint, sources in log.sources.items() if log is not None else ():
         for channel, (name, meaning) in sources.items():
             taken.setdefault(name, []).append((channel if channel == "time" else f"{channel} of {joint}", meaning))
-    seen = tuple(_look_at(name, values, taken.get(name, [])) for name, values in columns.items())
+    left = _explain_left if log is not None else _explain_unread
+    seen = tuple(_look_at(name, values, taken.get(name, []), left(name)) for name, values in columns.items())
     recordings = log.recordings if log is not None else ()
     findings = {one.metadata.joint: check_recording(one) for one in recordings}
-    guess = render_guess(path, guess_columns(columns, _list_others(columns)), numbered=numbered) if log is None else ""
+    guess = _propose(path, columns, numbered=numbered) if log is None else ""
     return Inspection(seen, log, refusal, findings, guess)
 
 
@@ -133,18 +139,41 @@ def _read_columns(path: Path) -> tuple[dict[str, Samples], NamedLog | None, str]
         return read_unnamed_columns(path), None, str(error)
 
 
+def _propose(path: Path, columns: Mapping[str, Samples], *, numbered: bool) -> str:
+    """A mapping to edit, by what the names say and, where they do not, by what the numbers do."""
+    meanings = {name: read_column_name(name) for name in columns}
+    asked_for = [name for name, one in meanings.items() if one is not None and one.channel in _ASKED_FOR]
+    left = {name: values for name, values in columns.items() if name not in asked_for}
+    guess = _prefer_named(guess_columns(left, _list_others(left)), meanings)
+    counted = [name for name, values in left.items() if are_counts(name, values)]
+    return render_guess(path, guess, numbered=numbered, counted=counted)
+
+
+def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) -> Guess:
+    """The guess with the joint that the names say, where one column is called position and one torque."""
+    called = {
+        channel: [name for name, one in meanings.items() if one is not None and one.channel == channel]
+        for channel in ("position", "velocity", *TORQUES)
+    }
+    torque = next((called[one] for one in TORQUES if called[one]), [])
+    if len(called["position"]) != 1 or len(torque) != 1:
+        return guess
+    velocity = called["velocity"][0] if len(called["velocity"]) == 1 else ""
+    return guess._replace(joints=(GuessedJoint(called["position"][0], velocity, torque[0], 1.0),))
+
+
 def _list_others(columns: Mapping[str, Samples]) -> list[str]:
     """Columns whose names say that they hold something else than a torque."""
     meanings = {name: read_column_name(name) for name in columns}
     return [name for name, one in meanings.items() if one is not None and one.channel not in TORQUES]
 
 
-def _look_at(name: str, values: Samples, taken: list[tuple[str, ColumnMeaning]]) -> InspectedColumn:
+def _look_at(name: str, values: Samples, taken: list[tuple[str, ColumnMeaning]], left: str) -> InspectedColumn:
     finite = values[np.isfinite(values)]
     lowest, highest = (float(finite.min()), float(finite.max())) if finite.size else (float("nan"), float("nan"))
     channels = list(dict.fromkeys(channel for channel, _ in taken))
     taken_for = "time" if "time" in channels else "; ".join(channels)
-    why = _explain_taken(taken_for, taken[0][1]) if taken else _explain_left(name)
+    why = _explain_taken(taken_for, taken[0][1]) if taken else left
     return InspectedColumn(name, finite.size, lowest, highest, taken_for, why)
 
 
@@ -153,6 +182,17 @@ def _explain_taken(taken_for: str, meaning: ColumnMeaning) -> str:
     if taken_for == "time":
         return f"called as a time; in {meaning.unit}, by its name or by the step from row to row"
     return f"in {meaning.unit}" if meaning.unit else "in the unit of SI: its name has it, or none"
+
+
+def _explain_unread(name: str) -> str:
+    """What the name of a column says by itself, where the log as a whole was not read."""
+    if find_stamps([name]):
+        return "called as a time"
+    meaning = read_column_name(name) or read_column_unit(name)
+    if meaning is None:
+        return "no word of its name is a quantity"
+    asked = {RAW_UNIT: ", in units of a device", UNKNOWN_UNIT: ", in a unit that is not known"}
+    return f"its name says {meaning.channel}{asked.get(meaning.unit, f' in {meaning.unit}' if meaning.unit else '')}"
 
 
 def _explain_left(name: str) -> str:

@@ -12,7 +12,7 @@ from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
 
-__all__ = ["render_mapping"]
+__all__ = ["describe_source", "render_column", "render_mapping"]
 
 
 _ENCODER = "# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"
@@ -26,7 +26,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         log: What was read from it by names.
     """
     layout = read_layout(path) if path.is_file() and is_text(path) else None
-    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *_describe_source(path, layout)]
+    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *describe_source(path, layout)]
     joints = {name: dict(columns) for name, columns in log.sources.items()}
     metadata = log.recordings[0].metadata
     facts = {"torque_unit": metadata.torque_unit, "motion": metadata.motion, "torque_kind": metadata.torque_kind}
@@ -39,7 +39,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     lines += [] if known["encoder_resolution"] else [_ENCODER]
     stamps, meaning = next(iter(joints.values()))["time"]
     seconds, *rest = stamps.split(NANOSECONDS)
-    parts = [f"nanoseconds = {_column(one, layout)}" for one in rest]
+    parts = [f"nanoseconds = {render_column(one, layout)}" for one in rest]
     lines += ["", "[channels]", _rule("time", seconds, meaning.unit, layout, *parts, "from_zero = true")]
     for name, columns in joints.items():
         table = "" if len(joints) == 1 else "channels."
@@ -49,7 +49,8 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _describe_source(path: Path, layout: TextLayout | None) -> list[str]:
+def describe_source(path: Path, layout: TextLayout | None) -> list[str]:
+    """Lines of a mapping that say how a file is read: where the names of a text are, or the topics of a bag."""
     if layout is None:
         source = choose_topics(path)
         joined = ", ".join(map(_quote, source.join))
@@ -63,11 +64,11 @@ def _describe_source(path: Path, layout: TextLayout | None) -> list[str]:
 def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more: str) -> str:
     if column == INTEGRAL:
         return f'{channel} = {{ integral_of = "velocity" }}'
-    parts = [f"column = {_column(column, layout)}", *([f"unit = {_quote(unit)}"] if unit else []), *more]
+    parts = [f"column = {render_column(column, layout)}", *([f"unit = {_quote(unit)}"] if unit else []), *more]
     return f"{channel} = {{ {', '.join(parts)} }}"
 
 
-def _column(name: str, layout: TextLayout | None) -> str:
+def render_column(name: str, layout: TextLayout | None) -> str:
     """The name of a column, or its number where the file does not have the name as it was read."""
     if layout is not None and layout.names and not layout.names[0] and name == "time" and name not in layout.names:
         return "1"  # an index of dates, whose column has no name

@@ -12,10 +12,17 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.torque_causes import fit_joint
+from fricomp.recording.named.clock import find_stamps
+from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
+from fricomp.recording.sources.text_layout import TextLayout
+from fricomp.recording.unit import find_unit
+from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
+
+from .mapping_text import describe_source, render_column
 
 __all__ = ["Guess", "GuessedJoint", "guess_columns", "render_guess"]
 
@@ -101,7 +108,7 @@ def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = ()) -
 def _find_time(columns: Mapping[str, Samples]) -> tuple[str, str, Samples, str]:
     """Name, unit and values [s] of the time, and the name of its nanoseconds; an empty name where none rises."""
     for name, values in columns.items():
-        if _is_time(values):
+        if _is_time(values) and not (_counts_rows(values) and _says_other(name)):
             step = float(np.median(np.diff(values)))
             unit = next((one for most, one in _TIME_STEPS if step <= most), "ns")
             return name, unit, (values - values[0]) * {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], ""
@@ -139,6 +146,15 @@ def _is_time(values: Samples) -> bool:
         return False
     steps = np.diff(values)
     return bool(np.mean(steps > 0.0) > _EVENLY and np.abs(steps).max() < 0.5 * np.ptp(values))
+
+
+def _counts_rows(values: Samples) -> bool:
+    return bool(np.all(np.diff(values) == 1.0))
+
+
+def _says_other(name: str) -> bool:
+    """Whether a column has a name, and that of no time: `sample` counts rows."""
+    return not name.isdigit() and not find_stamps([name])
 
 
 def _find_pairs(time: Samples, columns: Mapping[str, Samples]) -> list[tuple[str, str, float]]:
@@ -180,40 +196,78 @@ def _find_torque(time: Samples, position: Samples, columns: Mapping[str, Samples
     return chosen, best if chosen else 0.0
 
 
-def render_guess(path: Path, guess: Guess, *, numbered: bool) -> str:
+def render_guess(path: Path, guess: Guess, *, numbered: bool, counted: Collection[str] = ()) -> str:
     """A mapping to edit.
 
     Args:
         path: The log.
         guess: What its columns may hold.
         numbered: Whether they have numbers, and no names.
+        counted: Names of columns that hold whole numbers alone: what one is worth has to be said.
     """
-
-    def column(name: str) -> str:
-        return name if numbered else json.dumps(name, ensure_ascii=False)
-
     layout = read_layout(path) if path.is_file() and is_text(path) else None
-    lines = [f"# {path.name}: a guess by what the numbers do; the names of its columns do not say. Correct it.", ""]
-    if layout is not None:
-        lines += ["[source]", "header = false", f"delimiter = {json.dumps(layout.delimiter)}"]
-        lines += [f"skip_lines = {layout.rows_line}"] if layout.rows_line else []
-        lines += [] if layout.delimiter == "," else ['decimal = ","  # "." where numbers have points']
-        lines += [""]
-    lines += ["[metadata]", 'torque_unit = "N·m"  # "A" of a current, "N" of a force, "V" of a voltage']
-    lines += ['motion = "rotary"  # "linear" of a slide', "", "[channels]"]
+
+    def rule(channel: str, name: str) -> str:
+        if numbered:
+            return f"{channel} = {{ column = {name} }}"
+        unit, is_asked = _read_stated_unit(name)
+        scale = is_asked or (name in counted and not unit)
+        parts = [f"column = {render_column(name, layout)}", *([f'unit = "{unit}"'] if unit else [])]
+        return f"{channel} = {{ {', '.join([*parts, *(['scale = VALUE_OF_ONE'] if scale else [])])} }}"
+
+    lines = [f"# {path.name}: a guess by what the numbers do and the names of its columns say. Correct it.", ""]
+    lines += [*_describe_text(path, layout, numbered=numbered), ""] if layout is not None else []
+    lines += ["[metadata]", *_describe_facts(guess), "", "[channels]"]
     if guess.time:
+        column = str if numbered else lambda name: render_column(name, layout)
         rest = f", nanoseconds = {column(guess.nanoseconds)}" if guess.nanoseconds else ""
         lines += [f'time = {{ column = {column(guess.time)}, unit = "{guess.unit}"{rest}, from_zero = true }}']
     else:
-        lines += ["time = { rate = 500 }  # rows a second"]
+        lines += ["time = { rate = ROWS_A_SECOND }  # no column is seen to be a time"]
     several = len(guess.joints) > 1
     for number, joint in enumerate(guess.joints, start=1):
         lines += ["", "[[joints]]", f'name = "joint_{number}"'] if several else []
         before = "channels." if several else ""
         off = abs(joint.scale - 1.0) > 0.2
         remark = f"  # moves {joint.scale:.4g} times as far as the velocity says: another unit?" if off else ""
-        lines += [f"{before}position = {{ column = {column(joint.position)} }}{remark}"]
-        lines += [f"{before}velocity = {{ column = {column(joint.velocity)} }}"] if joint.velocity else []
-        lines += [f"{before}torque = {{ column = {column(joint.torque)} }}" if joint.torque else before + _UNSEEN[1]]
+        lines += [before + rule("position", joint.position) + remark]
+        lines += [before + rule("velocity", joint.velocity)] if joint.velocity else []
+        lines += [before + (rule("torque", joint.torque) if joint.torque else _UNSEEN[1])]
     lines += [] if guess.joints else list(_UNSEEN)
     return "\n".join(lines) + "\n"
+
+
+def _describe_facts(guess: Guess) -> list[str]:
+    """Unit of the torque and kind of the motion, by the units that the names state; else those of a rotary joint."""
+    stated = {_find_si(name) for joint in guess.joints for name in (joint.position, joint.torque)}
+    unit = next((one for one in ("A", "V", "N") if one in stated), "N·m")
+    motion = "linear" if stated & {"m", "N"} else "rotary"
+    return [
+        f'torque_unit = "{unit}"  # "A" of a current, "N" of a force, "V" of a voltage, "N·m" of a torque',
+        f'motion = "{motion}"  # "linear" of a slide, "rotary" of a joint that turns',
+    ]
+
+
+def _find_si(name: str) -> str:
+    """The unit of SI of what a name says; empty where it says none."""
+    meaning = read_column_name(name) or read_column_unit(name)
+    if meaning is None or meaning.unit in (RAW_UNIT, UNKNOWN_UNIT, ""):
+        return "A" if meaning is not None and meaning.channel == "current" else ""
+    return find_unit(meaning.unit).si
+
+
+def _read_stated_unit(name: str) -> tuple[str, bool]:
+    """The unit that a name states, and whether it has to be asked for since it is a device's, or not known."""
+    meaning = read_column_name(name) or read_column_unit(name)
+    if meaning is None:
+        return "", False
+    asked = meaning.unit in (RAW_UNIT, UNKNOWN_UNIT)
+    return "" if asked else meaning.unit, asked
+
+
+def _describe_text(path: Path, layout: TextLayout, *, numbered: bool) -> list[str]:
+    if not numbered:
+        return describe_source(path, layout)
+    lines = ["[source]", "header = false", f"delimiter = {json.dumps(layout.delimiter)}"]
+    lines += [f"skip_lines = {layout.rows_line}"] if layout.rows_line else []
+    return lines if layout.delimiter == "," else [*lines, 'decimal = ","  # "." where numbers have points']

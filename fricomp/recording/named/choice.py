@@ -62,7 +62,10 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         )
     known = {name: meaning for name in columns for meaning in [asked.get(name) or read_column_name(name)] if meaning}
     by_word = {meaning.channel for meaning in known.values()}
+    rows = max((values.size for values in columns.values()), default=0)
     for name, values in columns.items():
+        if values.size == 1 < rows:
+            continue  # a fact beside the columns, such as a number of dimensions
         meaning = known.get(name) or _read_by_unit(name, by_word)
         if meaning is None or (meaning.channel in channels and name not in asked) or not np.isfinite(values).any():
             continue

@@ -23,11 +23,12 @@ _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|
 """Words that say whose clock it is, or since when it counts."""
 _TIME = re.compile(
     r"^(.*[/_. ])?(t|ts|time|times|timestamps?|time stamps?|stamps?|tstamp|elapsed|__time|date[_/ ]?time|date|datum"
-    r"|clock|zeit|uhrzeit|zeitstempel|temps|heure|tiempo|hora|fecha|tempo|x_value)"
+    r"|clock|zeit|uhrzeit|zeitstempel|temps|heure|tiempo|hora|fecha|tempo|tijd|tid|czas|cas|时间|時間|时刻|時刻|x_value)"
     rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(]*)({_UNIT[1:-1]}|hh:mm:ss.*)[\])]?)?$"
     rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$",
     re.IGNORECASE,
 )
+_TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _SAID = re.compile(rf"(?<![a-z]){_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "msecs": "ms", "milliseconds": "ms", "µs": "us"}
 _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns"}
@@ -62,8 +63,11 @@ class RowTimes(NamedTuple):
 
 
 def find_stamps(columns: Iterable[str]) -> list[str]:
-    """Names of columns that are called as times, the plainest first."""
-    return sorted((name for name in columns if _TIME.match(name)), key=lambda name: (len(name), name))
+    """Names of columns that are called as times, the plainest first; where none is, of those in a unit of time."""
+    names = list(columns)
+    called = [name for name in names if _TIME.match(name)]
+    called = called or [name for name in names if _TIME_UNIT.search(name) and read_column_name(name) is None]
+    return sorted(called, key=lambda name: (len(name), name))
 
 
 def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
@@ -98,8 +102,15 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     said = _read_unit(names[0])
     steps = np.abs(np.diff(finite))
     step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
-    unit = said or next(one for most, one in _TIME_UNITS if step <= most)
+    unit = said or ("d" if _are_days(finite, step) else next(one for most, one in _TIME_UNITS if step <= most))
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _are_days(stamps: Samples, step: float) -> bool:
+    """Whether these are days since 1900 or the year 0, as spreadsheets and MATLAB write dates: in seconds such steps
+    would be those of 50 kHz and more.
+    """
+    return step < 2e-5 and 1e4 < float(stamps[0]) < 1e6
 
 
 def _explain_nameless(path: Path, columns: Mapping[str, Samples]) -> str:

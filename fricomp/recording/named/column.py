@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 
 from fricomp.recording.unit import UNITS
-
-from .unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
+from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
 __all__ = ["RAW_UNIT", "ColumnMeaning", "name_joint", "read_column_name", "read_column_unit", "simplify_joint"]
 
-_TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_TOKEN = re.compile(r"[A-ZÀ-ÖØ-Þ]+(?![a-zß-öø-ž])|[A-ZÀ-ÖØ-Þ]?[a-zß-öø-ž]+|\d+|[\u3040-\u30ff\u4e00-\u9fff]+")
 
 _QUANTITIES = {
     "position": (
@@ -28,8 +28,8 @@ _QUANTITIES = {
         "phi",
         "ang",
         "displacement",
-        "stroke",
-        "weg",
+        *("stroke", "weg", "posicion", "posicao", "positie", "poloha", "pozycja", "angulo", "angolo", "hoek", "vinkel"),
+        *("位置", "角度", "角", "转角"),
     ),
     "velocity": (
         *(
@@ -47,17 +47,31 @@ _QUANTITIES = {
             "dtheta",
             "thetadot",
         ),
-        *("geschwindigkeit", "drehzahl", "vitesse", "velocidad"),
+        *("geschwindigkeit", "drehzahl", "vitesse", "velocidad", "velocidade", "velocita", "snelheid", "hastighet"),
+        *("rychlost", "predkosc", "角速度", "速度", "转速", "回転数"),
     ),
     "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc", "beschleunigung"),
     "torque": (
         *("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "torq", "tq", "tor", "force"),
-        *("drehmoment", "kraft", "couple", "coppia", "pwm", "duty"),
+        *("drehmoment", "moment", "kraft", "couple", "coppia", "koppel", "vridmoment", "pwm", "duty"),
+        *("力矩", "扭矩", "转矩", "トルク"),
     ),
-    "current": ("current", "currents", "amps", "iq", "curr", "strom", "courant", "corriente"),
-    "temperature": ("temp", "temperature", "temperatures", "temperatur"),
+    "current": (
+        "current",
+        "currents",
+        "amps",
+        "iq",
+        "curr",
+        "strom",
+        "courant",
+        "corriente",
+        "corrente",
+        "电流",
+        "電流",
+    ),
+    "temperature": ("temp", "temperature", "temperatures", "temperatur", "温度"),
 }
-"""Words for a quantity, in small letters: English, and those of spreadsheets in German, French, Italian and Spanish.
+"""Words for a quantity, in small letters without accents: English, and those of spreadsheets in other languages.
 
 Single letters but q are left out: they are as often a joint's name."""
 
@@ -76,9 +90,11 @@ _WANTED: tuple[str, ...] = (
     "target",
     "goal",
 )
-_WANTED += ("setpoint", "soll")
+_WANTED += ("setpoint", "soll", "set", "demand", "demanded", "consigne")
+_WANTED += ("目标", "目標", "指令", "期望", "设定")
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
+_MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
 _MEASURED |= {"filtered": 0, "filt": 0, "in": 0, "ang": 0, "angular": 0}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
 as well. `tau_J` is a Franka's."""
@@ -88,6 +104,8 @@ _COMPOUND = re.compile(
     r"(\w+)(drehmoment|moment|geschwindigkeit|drehzahl|beschleunigung|winkel|strom|temperatur|kraft|position)"
 )
 """Words that German joins to one: `Gelenkwinkel`, `Sollposition`."""
+_JOINED = re.compile(r"(.+?)(角速度|位置|角度|速度|转速|力矩|扭矩|转矩|トルク|电流|電流|温度|角)")
+"""Words that Chinese and Japanese join to one."""
 
 _CURRENT = re.compile(r"(?<![A-Za-z0-9])[iI](_?\d+$|_q(?![A-Za-z]))")
 """`i_q`, `i0`, `I_3`: the letter alone is as often a row's number or a joint's name."""
@@ -100,9 +118,12 @@ _OUTSIDE = ("ext", "external", "contact")
 
 _NO_CHANNEL = (
     *("err", "error", "errors", "constant", "limit", "limits"),
-    *("enable", "enabled", "mode", "status", "flag", "fault", "id"),
+    *("enable", "enabled", "mode", "status", "flag", "fault", "id", "dimensions", "inertia"),
 )
 """Words of what is worked out from a channel, bounds it, or switches it."""
+
+_TIMES = ("time", "times", "stamp", "timestamp", "tout")
+"""Last words of a column that says when another one was taken: `velocity.time`."""
 
 _REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
 
@@ -124,6 +145,7 @@ _RAW: tuple[str, ...] = (
     "steps",
     "encoder",
 )
+_RAW += ("cnt", "cnts", "cts", "inc", "incs", "qc", "pulse", "digits")
 _RAW += ("percent", "pct", "pwm", "duty", "permille")
 """Words of columns in units of a device or in parts of a rating, which no name says the size of."""
 _ENCODER = ("encoder", "enc", "ticks", "counts")
@@ -170,7 +192,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     if not quantity or "outside" in roles.values() or ("wanted" in roles.values() and quantity not in _REFERENCES):
         return None
     measured = [_MEASURED[words[k][0]] for k, role in roles.items() if role == "measured"]
-    is_raw = "raw" in roles.values() or "%" in name
+    is_raw = "raw" in roles.values() or "%" in name or "‰" in name
     dropped = [words[at][1], *(one.span for one in said), *(words[k][1] for k in roles)]
     unit = "N" if words[at][0] in _FORCES else ""
     unit = RAW_UNIT if is_raw else unit_for(quantity, said[0].unit) if said else unit
@@ -203,14 +225,20 @@ def _split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
     """The words of a name in small letters, with where they stand; those that German joins are two."""
     words = []
     for match in _TOKEN.finditer(name):
-        word, (start, end) = match.group().lower(), match.span()
-        joined = None if word in _WORDS else _COMPOUND.fullmatch(word)
+        word, (start, end) = _simplify_letters(match.group()), match.span()
+        joined = None if word in _WORDS else _COMPOUND.fullmatch(word) or _JOINED.fullmatch(word)
         if joined:
             cut = start + joined.end(1)
             words += [(joined.group(1), (start, cut)), (joined.group(2), (cut, end))]
         else:
             words.append((word, (start, end)))
     return words
+
+
+def _simplify_letters(word: str) -> str:
+    """A word in small letters without accents, each letter as one."""
+    letters = (unicodedata.normalize("NFD", letter)[0] for letter in word.lower())
+    return word if not word.isascii() and word[0] >= "\u3040" else "".join(letters)
 
 
 def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:
@@ -236,6 +264,8 @@ def _find_units(name: str, word: tuple[str, tuple[int, int]]) -> list[UnitWord]:
 def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quantity: str, *, has_unit: bool) -> str:
     """What a word says of the quantity beside it; nothing where it is of the joint's name."""
     word = words[k][0]
+    if word == "id" and k + 1 < len(words) and words[k + 1][0].isdigit():
+        return "number"  # of the motor, as a bus calls it
     if word in _NO_CHANNEL:
         return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
@@ -259,6 +289,9 @@ def _find_channel(quantity: str, roles: set[str]) -> str:
 
 def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple[int, str] | None:
     """The word that is a quantity, the last of several, and which; None where there is none."""
+    spoken = [word for word, (start, _) in words if not word.isdigit() and "[" not in name[:start]]
+    if spoken and spoken[-1] in _TIMES:
+        return None
     if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name
         return next(k for k, (word, _) in enumerate(words) if word == "i"), "current"
     known = [k for k, (word, _) in enumerate(words) if word in _WORDS]

@@ -16,18 +16,21 @@ from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.runs import integrate, order_runs
 from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.unit import find_unit
+from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
 from .choice import INTEGRAL, TORQUES, Chosen, choose_columns, list_names
 from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name
 from .source import read_first_lines, read_named_columns
-from .unit_word import UNKNOWN_UNIT
+from .sparse import join_sparse
 
-__all__ = ["NamedLog", "is_native", "read_named_log", "separate_joints"]
+__all__ = ["NamedLog", "are_counts", "is_native", "read_named_log", "separate_joints"]
 
 _GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
+_FEWEST_COUNTS = 10
+"""Different whole numbers from which on no chance makes all of them so."""
 _REFERENCES = ("position_reference", "velocity_reference", "torque_command")
 
 
@@ -182,7 +185,7 @@ def _build(
     table = {"time": time, **_to_si(path, columns, own, time.size)}
     if own["position"][0] == INTEGRAL:
         table["position"] = table["velocity"]
-    table = _leave_out_empty(table)
+    table = _leave_out_empty(join_sparse(table))
     for channel in [one for one in own if one not in table and own[one][0] != INTEGRAL]:
         del own[channel]
     table, twins = drop_twins(table)
@@ -233,11 +236,31 @@ def _to_si(
             )
         found = find_unit(meaning.unit) if meaning.unit else None
         values = columns[column]
+        if channel == "torque" and are_counts(column, values):
+            raise RecordingError(
+                f"{path}: {column!r} holds whole numbers alone and names no unit: counts of a register, or parts of a "
+                f"rating? Say in a mapping what one is worth, such as torque = {{ column = {column!r}, scale = "
+                "VALUE_OF_ONE }, 1.0 where they are amperes or N·m ('fricomp convert LOG --inspect --out log.toml' "
+                "begins one)"
+            )
         if values.size != rows:
             raise RecordingError(f"{path}: {column!r} has {values.size} rows, and the time {rows}")
         converts = found is not None and (found.factor, found.offset) != (1.0, 0.0)
         table[channel] = values * found.factor + found.offset if found and converts else values
     return table
+
+
+def are_counts(name: str, values: Samples) -> bool:
+    """Whether a column holds many different numbers, all of them whole, and its name states no unit.
+
+    Args:
+        name: Of the column.
+        values: Shape (n_rows,).
+    """
+    if find_unit_words(name, -1):
+        return False
+    finite = values[np.isfinite(values)]
+    return bool(np.all(finite == np.round(finite))) and np.unique(finite).size >= _FEWEST_COUNTS
 
 
 def _is_linear(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:

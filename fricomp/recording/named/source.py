@@ -17,7 +17,7 @@ from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources import is_text, read_columns
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
-from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_nan, read_lines
+from fricomp.recording.sources.text import as_table, cut_rows, find_encoding, number_or_nan, read_lines
 from fricomp.recording.sources.text_layout import TextLayout, find_layout
 from fricomp.recording.sources.topic import Topic
 from fricomp.recording.validity import Samples
@@ -41,6 +41,9 @@ __all__ = [
 _FIRST_LINES = 200
 """Lines among which names and the first row are looked for."""
 _JOINT_COLUMNS = ("joint", "joint_name", "name", "motor", "motor_name", "axis", "actuator", "drive")
+_SIGNAL_COLUMNS = ("signal", "variable", "channel", "measurement", "field", "_field", "topic", "key", "name", "tag")
+_VALUE_COLUMNS = ("value", "_value", "values", "wert", "data")
+"""Names of a table with one number a row, and a word beside it for what it is."""
 _MOST_JOINTS = 64
 _LONGEST_LINE = 100_000
 """Characters of a first line that are looked at."""
@@ -147,7 +150,7 @@ def read_layout(path: Path) -> TextLayout:
     """
     with path.open(encoding=find_encoding(path), errors="replace") as stream:
         lines = [line[:_LONGEST_LINE] for line in itertools.islice(stream, _FIRST_LINES)]
-    return _require_layout(path, lines)
+    return _require_layout(path, as_table(lines))
 
 
 def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:
@@ -191,7 +194,9 @@ def _read_large_text(path: Path) -> dict[str, Samples] | None:
     if head is None:
         return None
     lines = head[0].splitlines(keepends=True)
-    layout = _require_layout(path, lines[:_FIRST_LINES])
+    layout = find_layout(lines[:_FIRST_LINES])
+    if layout is None:
+        return None
     names = [name.strip() for name in layout.names or ()]
     is_clear = all(names) and len(set(names)) == len(names) and len(layout.delimiter) == 1
     if not names or not is_clear:
@@ -254,6 +259,12 @@ def separate_long_rows(columns: dict[str, Samples], words: Mapping[str, list[str
         words: What stands in the latter.
     """
     for name, cells in words.items():
+        values = [one for one in columns if one.lower() in _VALUE_COLUMNS]
+        signals = list(dict.fromkeys(cells))[: _MOST_JOINTS + 1]
+        if name.lower() in _SIGNAL_COLUMNS and len(values) == 1 and 1 < len(signals) <= _MOST_JOINTS:
+            rows, (value,) = np.array(cells), values
+            kept = {one: column for one, column in columns.items() if one not in (value, name)}
+            return kept | {one: np.where(rows == one, columns[value], np.nan) for one in signals if one}
         joints = list(dict.fromkeys(cells))
         turns = sum(a != b for a, b in itertools.pairwise(cells))
         if name.lower() in _JOINT_COLUMNS and 1 < len(joints) <= _MOST_JOINTS and turns > 0.1 * len(cells):

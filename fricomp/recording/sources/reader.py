@@ -47,6 +47,14 @@ _ELSEWHERE = {
     ".tdms": "a LabVIEW TDMS", ".ulg": "a PX4 log", ".mf4": "a measurement of a vehicle", ".fig": "a figure",
 }  # fmt: skip
 """Formats that the program which writes them saves as CSV as well."""
+_UNPACKED_BY = {
+    ".gz": "gunzip -k",
+    ".zip": "unzip",
+    ".bz2": "bunzip2 -k",
+    ".xz": "unxz -k",
+    ".zst": "unzstd",
+    ".7z": "7z x",
+}
 _TEXT_SAMPLE = 4096
 """Bytes of a file by which text is told from anything else."""
 
@@ -120,6 +128,10 @@ def is_text(path: Path) -> bool:
         raise RecordingError(
             f"{path} is {_ELSEWHERE[suffix]}, which is not read here: save it as CSV or Parquet there, or as MAT "
             "(version 7) or NPZ, with a column each for time, position and torque"
+        )
+    if suffix in _UNPACKED_BY:
+        raise RecordingError(
+            f"{path} is compressed: unpack it by '{_UNPACKED_BY[suffix]} {path}', and give the log that was in it"
         )
     if not path.is_file():
         return False

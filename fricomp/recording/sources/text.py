@@ -11,12 +11,15 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
 from fricomp.recording.sources.columns import Columns
-from fricomp.recording.sources.text_layout import is_comment, parse_number, split_cells
+from fricomp.recording.sources.labelled_rows import tabulate_labelled
+from fricomp.recording.sources.text_layout import find_layout, is_comment, parse_number, split_cells
 from fricomp.untrusted import find_size_limit
 
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _SAMPLE = 2**20
 """Bytes by which an encoding is told."""
+_FIRST_LINES = 200
+"""Lines by which it is told how a text is laid out."""
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
@@ -57,7 +60,22 @@ def read_lines(path: Path) -> list[str]:
     """
     if path.stat().st_size > find_size_limit(path):
         raise RecordingError(f"{path} is too large for a log of text: cut it, or write it as Parquet")
-    return path.read_text(encoding=find_encoding(path), errors="replace").splitlines()
+    text = path.read_text(encoding=find_encoding(path), errors="replace")
+    return as_table(text.splitlines(), is_whole=text.endswith("\n"))
+
+
+def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
+    """The lines as they are, or of rows that label each number those of a table with these names.
+
+    Args:
+        lines: Of a text.
+        is_whole: Whether the last one has ended.
+    """
+    try:
+        has_layout = find_layout(lines[:_FIRST_LINES]) is not None
+    except csv.Error:
+        return lines  # whose reader says what is wrong with it
+    return (None if has_layout else tabulate_labelled(lines, is_whole=is_whole)) or lines
 
 
 def cut_rows(path: Path, lines: Sequence[str], delimiter: str, first: int) -> list[tuple[int, list[str]]]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, time
 
 from fricomp.recording.unit import UNITS
+from fricomp.recording.unit_word import read_unit
 
 __all__ = ["TextLayout", "find_layout", "is_comment", "parse_number", "split_cells"]
 
@@ -20,6 +21,9 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
 _SLASHES = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*([AaPp][Mm])?")
+_DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
+"""A number with points between thousands and a decimal comma."""
+_NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _SPAN = re.compile(r"(-?\d+) days?,? \+?(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
 _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
@@ -32,6 +36,10 @@ _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
     "rad/sec",
     "%",
     "w",
+    "unit",
+    "units",
+    "einheit",
+    "einheiten",
 }
 _LEAST_NUMBERS = 0.3
 """Part of a line's cells that are numbers, from which on it is a row."""
@@ -95,10 +103,31 @@ def find_layout(lines: Sequence[str]) -> TextLayout | None:
         lines: The first ones of a text.
     """
     for number, line in enumerate(lines):
-        mark = None if not line.strip() or is_comment(line) else _find_mark(line)
+        mark = None if not line.strip() or is_comment(line) or _read_pairs(line) else _find_mark(line)
         if mark is not None and _goes_on(lines[number + 1 :], mark, split_cells(line, mark)):
             return _look_above(lines, number, mark)
     return None
+
+
+def _read_pairs(line: str) -> tuple[str, list[str]] | None:
+    """The word and what it says of each column, of a line that repeats it: `Name;Position;Name;Torque`."""
+    mark = next((one for one in ("\t", ";", ",") if one in line), "")
+    cells = split_cells(line, mark) if mark else []
+    words = {cell for cell in cells[::2] if cell}
+    if len(cells) < 4 or len(words) != 1 or len(cells[1::2]) < len(cells[::2]) - 1 or _is_entry(next(iter(words))):
+        return None
+    return next(iter(words)), cells[1::2]
+
+
+def _name_pairs(above: Sequence[str], width: int) -> tuple[str, ...]:
+    """Names of columns that come in pairs of time and value, as a scope writes them; empty where they do not."""
+    said = dict(pairs for line in above if (pairs := _read_pairs(line)) and 2 * len(pairs[1]) in (width, width - 1))
+    names = next((said[word] for word in said if word.lower() in _NAMES_OF_PAIRS and all(said[word])), None)
+    if names is None:
+        return ()
+    unit = next((match.group(1) for word in said if (match := re.search(r"time.*\[(\w+)\]", word.lower()))), "")
+    first = f"time [{unit}]" if unit else "time"
+    return tuple(cell for k, name in enumerate(names) for cell in (f"{name}.time" if k else first, name))
 
 
 def _goes_on(below: Sequence[str], mark: str, first: Sequence[str]) -> bool:
@@ -137,6 +166,9 @@ def _find_mark(line: str) -> str | None:
 def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     """The layout of a table whose first full row is known; rows above it may lack numbers."""
     width, decimal = len(split_cells(lines[row], mark)), "." if mark == "," else ","
+    pairs = _name_pairs(lines[:row], width)
+    if pairs:
+        return TextLayout(mark, decimal, pairs, row, row, in_comment=True)
     units: tuple[str, ...] = ()
     first = row
     for at in range(row - 1, -1, -1):
@@ -173,7 +205,7 @@ def _has_names(above: Sequence[str], mark: str, width: int) -> bool:
 
 
 def _is_unit(cell: str) -> bool:
-    return cell.lower() in _UNIT_WORDS or _BRACKETS.fullmatch(cell) is not None
+    return cell.lower() in _UNIT_WORDS or bool(read_unit(cell)) or _BRACKETS.fullmatch(cell) is not None
 
 
 def _with_unit(name: str, unit: str) -> str:
@@ -213,6 +245,8 @@ def parse_number(cell: str, decimal: str) -> float:
 def _without_commas(text: str, decimal: str) -> str:
     if decimal == "," and _DECIMAL_COMMA.fullmatch(text):
         return text.replace(",", ".")
+    if decimal == "," and _DOTTED.fullmatch(text):
+        return text.replace(".", "").replace(",", ".")
     return text.replace(",", "") if _THOUSANDS.fullmatch(text) else text
 
 

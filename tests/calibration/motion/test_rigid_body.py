@@ -51,6 +51,9 @@ def test_a_motion_at_rest_is_refused() -> None:
     t = np.arange(0.0, 2.0, 1e-3)
     with pytest.raises(IdentificationError, match="several speeds"):
         fit_rigid_body(sample_joint(Recording(t, np.zeros_like(t), np.zeros_like(t))))
+    samples = sample_joint(_recording())
+    with pytest.raises(IdentificationError):
+        fit_rigid_body(samples, rows=np.zeros(len(samples.torque), dtype=bool))
 
 
 @no_emps

@@ -144,6 +144,15 @@ def test_an_encoder_of_hundreds_of_counts_shows_degrees(counts: int) -> None:
     assert "degrees" not in _codes(Recording(t, _TURN * turns, torque))
 
 
+@pytest.mark.parametrize("decimals", [4, 5, 6])
+def test_numbers_with_few_decimals_show_the_step_of_an_encoder_in_degrees(decimals: int) -> None:
+    time = np.arange(0.0, 20.0, 0.004)
+    position = np.round(80.0 * np.sin(0.9 * time) * 2**14 / 360.0) * 360.0 / 2**14
+    torque = np.sign(np.cos(0.9 * time)) + 0.1 * np.cos(0.9 * time)
+    finding = _codes(Recording(time, np.round(position, decimals), torque))["degrees"]
+    assert "360 / 2^14" in finding.message
+
+
 def test_everything_in_degrees_without_other_evidence_is_suspected(make_recording: MakeRecording) -> None:
     recording = _in_degrees(make_recording().with_metadata(encoder_resolution=None))
     assert _codes(recording)["degrees_likely"].severity == "warning"

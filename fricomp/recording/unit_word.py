@@ -64,14 +64,18 @@ _ATOMS = frozenset(
             "deg",
         ),
         *("rev", "turn", "a", "ma", "v", "mv", "w", "kw", "kg", "kgf", "g", "gf", "lb", "lbf", "oz", "ozf", "in", "ft"),
+        *("qc", "qcs", "pulse", "pulses", "count", "counts", "bit", "bits", "per", "thousand", "hundred", "mille"),
+        *("permille", "permil", "promille", "percent", "rated", "nominal"),
         *("hz", "khz", "pu", "j", "c", "k", "pa", "bar", "inc", "lsb", "cnt", "cts", "digit", "digits", "u"),
     ]
 )
 """What units consist of: a text in brackets of nothing else is a unit, and no remark."""
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
+_STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
+"""A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
     r"(?<![A-Za-z])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|rpm|1/min|u/min"
-    r"|turns/s|turns|rev/s|rev|mnm|ncm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
+    r"|turns/s|turns|rev/s|rev|mnm|ncm|cnm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv)|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-z])"
 )
 _AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
@@ -104,6 +108,8 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
     found = []
     for match in _BRACKETS.finditer(name):
         unit = _read_bracket(match.group(1))
+        if unit and _STEP.search(name[: match.start()]):
+            unit = UNKNOWN_UNIT
         if unit and match.start() > begin:
             found.append(UnitWord(unit, match.span(), match.group(1)))
     if found:
@@ -144,8 +150,9 @@ def _read_bracket(text: str) -> str:
         return ""
     if spelled in _NAMES:
         return _NAMES[spelled]
-    atoms = [atom for atom in re.split(r"[·/^\d%]+", spelled) if atom]
-    return UNKNOWN_UNIT if atoms and all(atom in _ATOMS for atom in atoms) else ""
+    atoms = [atom for atom in re.split(r"[·/^\d%‰:]+", spelled) if atom]
+    is_unit = all(atom in _ATOMS or atom in _NAMES for atom in atoms)
+    return UNKNOWN_UNIT if is_unit and (atoms or re.search(r"[/%‰]", spelled)) else ""
 
 
 def _spell(text: str, *, bare: bool = False) -> str:

@@ -1,0 +1,49 @@
+"""Rows that hold one channel each, as several topics in one table have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fricomp.recording.validity import Samples
+
+__all__ = ["join_sparse"]
+
+_TOGETHER = 0.5
+"""Part of the rarer channel's rows that have the position as well, from which on the rows are those of one table."""
+_FEWEST = 50
+"""Rows of a channel that are a log of it."""
+_GAP = 5.0
+"""Usual distances of two readings beyond which nothing is known between them."""
+
+
+def join_sparse(table: Mapping[str, Samples]) -> dict[str, Samples]:
+    """The channels at the rows of the position, where the torque mostly stands in other rows; else as they are.
+
+    Args:
+        table: Channel to samples, NaN where a row has none; time, position and torque among them. Shape (n_rows,) each.
+    """
+    time, position, torque = (table[name] for name in ("time", "position", "torque"))
+    placed, pushed = np.isfinite(time + position), np.isfinite(time + torque)
+    fewest = min(np.count_nonzero(placed), np.count_nonzero(pushed))
+    if fewest < _FEWEST or np.count_nonzero(placed & pushed) > _TOGETHER * fewest:
+        return dict(table)
+    order = np.argsort(time[placed], kind="stable")
+    at = time[placed][order]
+    return {
+        name: at if name == "time" else values[placed][order] if name == "position" else _read_between(at, time, values)
+        for name, values in table.items()
+    }
+
+
+def _read_between(at: Samples, time: Samples, values: Samples) -> Samples:
+    """A channel at other times, on straight lines between its own readings; NaN in gaps and beyond the ends. (n,)."""
+    known = np.flatnonzero(np.isfinite(values + time))
+    known = known[np.argsort(time[known], kind="stable")]
+    if known.size < 2:
+        return np.full(at.size, np.nan)
+    step = np.diff(time[known])
+    place = np.clip(np.searchsorted(time[known], at, side="right") - 1, 0, step.size - 1)
+    outside = (at < time[known[0]]) | (at > time[known[-1]]) | (step[place] > _GAP * float(np.median(step)))
+    return np.where(outside, np.nan, np.interp(at, time[known], values[known]))
