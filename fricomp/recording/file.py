@@ -124,6 +124,7 @@ def _read_named(
     if not skip_bad_rows:
         raise_errors(log.findings, str(path))
     advice = "if it is wrong, 'fricomp convert LOG --inspect' writes a mapping to edit"
+    notes = [note for note in notes if not any(found.message in note for found in log.findings)]  # told below
     told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in notes)
     return FileContent(found[0], (*told, *log.findings))
 

@@ -14,7 +14,7 @@ from fricomp.recording.file import is_own, read_content
 from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import TORQUES
 from fricomp.recording.named.clock import find_stamps
-from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
+from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit, says_asked_for
 from fricomp.recording.named.log import NamedLog, are_counts, separate_joints
 from fricomp.recording.named.source import (
     has_rows,
@@ -29,9 +29,6 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
 
 from .unnamed import Guess, GuessedJoint, guess_columns, render_guess
-
-_ASKED_FOR = ("position_reference", "velocity_reference", "torque_command")
-"""What a joint was asked for; it is never proposed as what was measured."""
 
 __all__ = ["InspectedColumn", "Inspection", "inspect_log"]
 
@@ -140,10 +137,12 @@ def _read_columns(path: Path) -> tuple[dict[str, Samples], NamedLog | None, str]
 
 
 def _propose(path: Path, columns: Mapping[str, Samples], *, numbered: bool) -> str:
-    """A mapping to edit, by what the names say and, where they do not, by what the numbers do."""
+    """A mapping to edit, by what the names say and, where they do not, by what the numbers do.
+
+    What a joint was asked for is never proposed as what was measured.
+    """
     meanings = {name: read_column_name(name) for name in columns}
-    asked_for = [name for name, one in meanings.items() if one is not None and one.channel in _ASKED_FOR]
-    left = {name: values for name, values in columns.items() if name not in asked_for}
+    left = {name: values for name, values in columns.items() if not says_asked_for(name)}
     guess = _prefer_named(guess_columns(left, _list_others(left)), meanings)
     counted = [name for name, values in left.items() if are_counts(name, values)]
     return render_guess(path, guess, numbered=numbered, counted=counted)

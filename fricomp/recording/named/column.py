@@ -9,7 +9,15 @@ from dataclasses import dataclass
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
-__all__ = ["RAW_UNIT", "ColumnMeaning", "name_joint", "read_column_name", "read_column_unit", "simplify_joint"]
+__all__ = [
+    "RAW_UNIT",
+    "ColumnMeaning",
+    "name_joint",
+    "read_column_name",
+    "read_column_unit",
+    "says_asked_for",
+    "simplify_joint",
+]
 
 _TOKEN = re.compile(r"[A-ZÀ-ÖØ-Þ]+(?![a-zß-öø-ž])|[A-ZÀ-ÖØ-Þ]?[a-zß-öø-ž]+|\d+|[\u3040-\u30ff\u4e00-\u9fff]+")
 
@@ -219,6 +227,11 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in words if is_letter)]
     channel = _find_channel(kind, set(roles.values()))
     return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), -1, unit_for(kind, said[0].unit))
+
+
+def says_asked_for(name: str) -> bool:
+    """Whether a column is called as what a joint was asked for: `q_ref`, `goal`, the `action` of a policy."""
+    return any(word in (*_WANTED, "action", "actions") for word, _ in _split_words(name))
 
 
 def _split_words(name: str) -> list[tuple[str, tuple[int, int]]]:

@@ -214,6 +214,22 @@ def test_a_mapping_that_is_proposed_can_be_followed(tmp_path: Path) -> None:
     assert found.recording.velocity == pytest.approx(VELOCITY * np.pi / 30)
 
 
+@pytest.mark.parametrize("asked", ["action:1", "goal", "x_ref"])
+def test_what_was_asked_for_is_not_proposed_as_the_position(asked: str, tmp_path: Path) -> None:
+    lead = POSITION + 0.02 * VELOCITY
+    path = write(tmp_path / "log.csv", [f"t,{asked},state:1,load_mNm", *rows_of(TIME, lead, POSITION, TORQUE)])
+    guess = inspect_log(path).guess
+    assert asked not in guess
+    assert 'position = { column = "state:1"' in guess
+
+
+def test_a_note_on_the_rows_is_told_once(tmp_path: Path) -> None:
+    rows = rows_of(TIME, POSITION, TORQUE)
+    path = write(tmp_path / "log.csv", ["t,q,tau", *rows[::-1]])
+    told = [one for one in read_content(path).findings if "run backwards" in one.message]
+    assert len(told) == 1
+
+
 def test_what_a_name_says_is_told_where_the_log_as_a_whole_is_not_read(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", ["t_us,enc_counts,tau_mNm", *rows_of(1e6 * TIME, np.round(POSITION), TORQUE)])
     why = {column.name: column.why for column in inspect_log(path).columns}
