@@ -11,10 +11,13 @@ from fricomp.overview import AT_BOUND
 
 from .record import ArmRecord, JointEffect, JointRecord, LinkRecord
 
-__all__ = ["say_shared_causes", "say_tilt", "write_summary"]
+__all__ = ["say_doubts", "say_shared_causes", "say_tilt", "write_summary"]
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
+
+_WORSE = 1.2
+"""Held-out error of the model, in that of the simulation, from which on the recording does not hold what is told."""
 
 _CAUSES = {
     "load_coulomb": "the same kind of gear in all of them, or torques of the joints in wrong units",
@@ -27,6 +30,9 @@ _CAUSES = {
 """What effects have in common where several joints show them."""
 
 
+_REPEAT = "To do: record again, all joints moving at once by their own drives; until then keep the simulation."
+
+
 def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     """Sentences in which a newcomer reads what is wrong, what to do, and what each part is.
 
@@ -36,7 +42,9 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     """
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
-    lines = [opening, _say_what_to_do(named=bool(named), off=bool(off)), *say_shared_causes(record.joints)]
+    doubts = say_doubts(record.joints)
+    to_do = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
+    lines = [opening, *(one for one in doubts if one != opening), to_do, *say_shared_causes(record.joints)]
     names = dict.fromkeys(effect.name for _, effect in named)
     lines += [_say_effect([one for one in named if one[1].name == name]) for name in names]
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
@@ -44,6 +52,39 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     unknown = [link.name for link in record.links if link.state == "not_determined"]
     lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
     return tuple(lines)
+
+
+def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """Why a recording does not hold what is told of it.
+
+    Half of its joints do not rub, or a joint's torque is told worse than by the simulation on parts that were left out.
+    """
+    lines = []
+    loose = [one.name for one in joints if _is_loose(one)]
+    if len(loose) >= max(2, _SHARE * len(joints)):
+        lines.append(
+            f"The torques show no friction in {', '.join(loose)}: something else than the drives moved the arm, such "
+            "as a hand, and then nothing of this holds; or they are of sensors behind the gears, or have friction "
+            "taken off."
+        )
+    worse = [joint for joint in joints if joint.error_model > _WORSE * joint.error_simulation]
+    if worse:
+        errors = "; ".join(
+            f"{one.name} {one.error_model:.3g} {one.unit}, by the simulation {one.error_simulation:.3g}"
+            for one in worse
+        )
+        lines.append(
+            f"What is told does not hold on parts of the recording that were left out ({errors}): the parts show too "
+            "little of each joint, as where one moves at a time."
+        )
+    return tuple(lines)
+
+
+def _is_loose(joint: JointRecord) -> bool:
+    """Whether a joint has no Coulomb friction, and no other term that would have it in its place."""
+    terms = {name.partition(".")[0] for name in joint.friction if "." in name} - {"stribeck"}
+    level = joint.friction.get("coulomb")
+    return level is not None and level.value <= 0.0 and not terms and not joint.effects
 
 
 def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import say_shared_causes, say_tilt, write_summary
+from .brief import say_doubts, say_shared_causes, say_tilt, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
@@ -97,7 +97,7 @@ def _describe_joint(
         for name, value, one in zip(names, fit.x[place], spread, strict=True)
     }
     for name, (low, high) in averages.items():
-        value = 0.0 if (joint, name) in fit.model.pinned else values[name].value
+        value = 0.0 if (joint, name) in fit.model.pinned else min(max(values[name].value, low), high)
         values[name] = Quantity(value, values[name].unit, (low, high))
     effects = [
         _describe_effect(answer, joint, term, variant, values, others)
@@ -213,15 +213,19 @@ def _judge_link(gap: FloatArray, spread: FloatArray, determined: BoolArray, open
 def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
+    doubts = say_doubts(record.joints)
     opening = (
         "The simulation leaves out physics in " + ", ".join(f"{joint} ({effect.name})" for joint, effect in named) + "."
         if named
+        else doubts[0]
+        if doubts
         else "Only the masses of links are off; no physics is missing in any joint."
         if off
         else "Nothing is missing: links and joints are as simulated, with plain friction."
     )
     return (
         opening,
+        *(one for one in doubts if one != opening),
         *say_shared_causes(record.joints),
         *(_say_joint(joint) for joint in record.joints),
         *(_say_link(link) for link in record.links if link.state == "off"),

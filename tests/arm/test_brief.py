@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from fricomp.arm.brief import write_summary
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
@@ -61,3 +63,11 @@ def test_of_an_arm_that_is_as_simulated_there_is_nothing_to_do() -> None:
     assert told[0] == "Nothing is missing."
     assert told[1].startswith("To do: nothing")
     assert len(told) == 2
+
+
+def test_where_joints_do_not_rub_there_is_another_recording_to_do() -> None:
+    loose = {"coulomb": Quantity(0.0, "N·m", (0.0, 0.1))}
+    joints = tuple(replace(_joint(name, None), friction=loose) for name in "ab")
+    told = write_summary(_record(joints), "Nothing is missing.")
+    assert told[1].startswith("The torques show no friction in a, b:")
+    assert told[2].startswith("To do: record again")
