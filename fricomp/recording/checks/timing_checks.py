@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
+_NEARLY = 0.99  # part of a rate at which a clock that is slightly off still has it
 LOWEST_RATE = 50.0
 """Rate below which breakaway and reversals fall between the samples [Hz]; they last some 20 ms."""
 
@@ -52,7 +53,7 @@ def find_wrong_time_unit(recording: Recording) -> tuple[Finding, ...]:
 def find_low_rate(recording: Recording) -> tuple[Finding, ...]:
     """Friction at reversals needs some samples in 20 ms."""
     rate = 1 / recording.sample_period
-    if rate >= LOWEST_RATE or recording.sample_period >= _SLOWEST_PERIOD:
+    if rate >= _NEARLY * LOWEST_RATE or recording.sample_period >= _SLOWEST_PERIOD:
         return ()
     message = f"{rate:.3g} samples a second are too few for breakaway and reversals (at least {LOWEST_RATE:g})"
     return (Finding("low_rate", "warning", message, "record faster; only slow sliding can be judged", column="time"),)

@@ -306,6 +306,13 @@ def test_gap_jitter_and_change_of_rate_are_told_apart(make_recording: MakeRecord
     assert _codes(two)["two_rates"].severity == "error"
 
 
+@pytest.mark.parametrize(("rate", "is_low"), [(49.99, False), (48.0, True)])
+def test_a_clock_that_is_slightly_off_makes_no_low_rate(rate: float, is_low: bool) -> None:
+    time = np.arange(0.0, 20.0, 1.0 / rate)
+    recording = Recording(time, np.sin(0.9 * time), np.sign(np.cos(0.9 * time)))
+    assert ("low_rate" in _codes(recording)) is is_low
+
+
 def test_low_rate_and_milliseconds_are_noticed(make_recording: MakeRecording) -> None:
     assert _codes(make_recording(400, 0.04))["low_rate"].severity == "warning"
     recording = make_recording()
