@@ -51,8 +51,10 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
     if Path(path).suffix.lower() not in (".csv", ".txt"):
         return False
     columns = _read_header(Path(path)) or _rows(path)[0]
-    if "time" in columns or set(_REQUIRED) <= set(columns):
-        return "time" not in columns
+    if "time" in columns:
+        return False
+    if set(_REQUIRED) <= set(columns) and "position" not in columns and not find_stamps(columns):
+        return True
     names = read_layout(Path(path)).names
     if not names:
         named = re.search(r"[^\W\d_eE]", " ".join(columns)) is not None  # a header that does not fit its rows

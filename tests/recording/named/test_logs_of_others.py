@@ -193,6 +193,13 @@ def test_what_it_does_not_say_is_told_with_what_to_write(
         read_named_log(write(tmp_path / "log.csv", names, columns))
 
 
+@pytest.mark.parametrize("clock", ["_time", "timestamp", "stamp_ns"])
+def test_a_log_with_another_word_for_its_time_is_no_friction_table(clock: str, tmp_path: Path) -> None:
+    columns = [TIME, POSITION, VELOCITY, TORQUE]
+    assert not is_friction_table(write(tmp_path / "log.csv", [clock, "position", "velocity", "torque"], columns))
+    assert is_friction_table(write(tmp_path / "points.csv", ["velocity", "torque"], columns[2:]))
+
+
 def test_counts_of_an_encoder_are_no_radians(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", ["time", "pos", "torque"], [TIME, np.round(4096 * POSITION), TORQUE])
     with pytest.raises(RecordingError, match=r"position holds whole numbers alone.*scale = 6\.2832 over the counts"):
