@@ -82,8 +82,7 @@ class PriorSizes:
     """What the prior of each joint is measured in, as the simulation and the recording have it. Shapes (n_joints,).
 
     Attributes:
-        rotor: A rotor's inertia as far as it may be off; where the simulation has none, all that the torques allow
-            [kg·m²] or [kg].
+        rotor: A rotor's inertia as far as it may be off: all that is stated and that the torques allow [kg·m²] or [kg].
         torque: A friction torque as wide as the prior lets it be [N·m] or [N].
         level: Coulomb friction beside the simulated torque [N·m] or [N].
         speed: Top speed [rad/s] or [m/s].
@@ -235,9 +234,7 @@ def measure_sizes(arm: SimulatedArm, equations: ArmEquations | EquationSums, pri
     """What the priors of the joints are measured in; no model changes it."""
     n, sums = N_INERTIA * len(arm.links), equations.sums
     squares = np.maximum(sums[:, n, n], 1e-12)  # of the acceleration
-    own = np.abs(sums[:, n, :n] @ arm.inertia.ravel()) / squares
-    stated = prior.rotors * np.maximum(own + arm.armature, 1e-9)
-    rotor = np.where(arm.armature > 0.0, stated, np.maximum(np.sqrt(sums[:, -1, -1] / squares), stated))
+    rotor = np.maximum(prior.rotors * (arm.armature + np.sqrt(sums[:, -1, -1] / squares)), 1e-9)
     ones = np.maximum(sums[:, n + 2, n + 2], 1.0)  # of the column of the offset
     typical = prior.friction * np.sqrt(np.maximum(sums[:, -1, -1] / ones, 1e-18))
     levels = [_guess_level(arm, one, j, float(typical[j])) for j, one in enumerate(sums)]

@@ -14,8 +14,9 @@ class ArmPrior:
     Attributes:
         links: Of each coordinate of a link's inertia, relative: 0.1 is a mass, and a size, that are right to some
             20 %. Make it larger where the links' masses are guessed, smaller where they were weighed.
-        rotors: Of a rotor's inertia, as part of the joint's own mean inertia. A URDF holds none, and one behind a gear
-            can be many times its links': where the simulation has none it may be all that the torques allow.
+        rotors: Of a rotor's inertia, as part of what the simulation states and what the torques allow. It is what
+            simulations know least: a URDF holds none, and an MJCF often one number for all joints. Make it smaller
+            where rotors were measured.
         friction: Of each friction torque, as part of the joint's typical torque. Wide, since nobody knows friction.
         stribeck: Of what a Stribeck curve has above its Coulomb level, as part of that level: gears have up to one.
         spring: Of a spring's stiffness, as part of the Coulomb level per radian: a cable pulls by about what the joint
@@ -30,7 +31,7 @@ class ArmPrior:
     """
 
     links: float = 0.1
-    rotors: float = 0.2
+    rotors: float = 1.0
     friction: float = 3.0
     stribeck: float = 0.5
     spring: float = 1.0

@@ -57,9 +57,12 @@ def test_a_delay_of_all_torques_is_found_once(healthy: ArmExamination) -> None:
     assert healthy.record.delay.value == pytest.approx(0.004, abs=5e-4)
 
 
-def test_rotors_that_the_simulation_lacks_are_no_gain_of_all_torques_and_no_lighter_links(tmp_path: Path) -> None:
-    rotors = (5.0, 3.0, 0.8)  # behind gears, more than the links; a URDF has none
-    record = examine_arm(record_arm(write_arm(tmp_path, rotors=rotors)), write_arm(tmp_path)).record
+@pytest.mark.parametrize("stated", [(0.0, 0.0, 0.0), (0.2, 0.2, 0.2)], ids=["none", "wrong"])
+def test_rotors_that_the_simulation_lacks_are_no_gain_of_all_torques_and_no_lighter_links(
+    tmp_path: Path, stated: tuple[float, float, float]
+) -> None:
+    rotors = (5.0, 3.0, 0.8)  # behind gears, more than the links; a URDF has none, an MJCF often one number for all
+    record = examine_arm(record_arm(write_arm(tmp_path, rotors=rotors)), write_arm(tmp_path, rotors=stated)).record
     assert record.gain is None
     assert [link.name for link in record.links if link.state == "off"] == []
     assert names_of(record) == {"shoulder": [], "elbow": [], "wrist": []}
