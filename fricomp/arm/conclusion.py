@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from msgspec.structs import replace
@@ -21,6 +21,7 @@ from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
 from .search.gap import GapSearch
+from .shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 
@@ -50,14 +51,14 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
     joints = tuple(_describe_joint(answer, j, averages[j], others) for j in range(len(arm.joints)))
     intervals = average_links(found.fit, others)
     links = tuple(_describe_link(answer, i, intervals[i]) for i in range(len(arm.links)))
-    delay, spread = found.delay
+    delay = found.delay
     gain, gain_spread = found.fit.gain
     record = ArmRecord(
         schema=ARM_SCHEMA,
         sentences=(),
         joints=joints,
         links=links,
-        delay=_quantity(delay, spread, "s"),
+        delay=_quantity(delay.value, delay.deviation, "s"),
         gain=_quantity(gain, gain_spread, "1") if found.fit.model.gain else None,
         tilt=_describe_tilt(found.fit) if found.fit.model.tilted else None,
         cutoff=found.rows.cutoff,
@@ -70,8 +71,21 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
     stamps = _UNEVEN if found.recording.placed else ""
-    sentences = (*_write_sentences(record), *(one for one in (rate, stamps) if one))
+    apart = _say_apart(delay, arm.joints)
+    sentences = (*_write_sentences(record), *(one for one in (rate, stamps, apart) if one))
     return replace(record, summary=write_summary(record, sentences[0]), sentences=sentences)
+
+
+def _say_apart(delay: SharedDelay, joints: Sequence[str]) -> str:
+    """That the torques of joints are not late by the same time, where they are not."""
+    if not delay.apart:
+        return ""
+    first, last = (pick(delay.apart, key=delay.apart.__getitem__) for pick in (min, max))
+    ends = (f"{1e3 * delay.apart[j]:.2g} ms by {joints[j]}" for j in (first, last))
+    return (
+        f"Joints do not agree on how late their torques are, from {' to '.join(ends)}: something else moves that in "
+        "some of them, such as a gear that gives way. Only a time that most of them ask for is taken off."
+    )
 
 
 def _describe_tilt(fit: ArmFit) -> dict[str, Quantity]:

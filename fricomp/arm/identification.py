@@ -29,6 +29,7 @@ from .rows import ArmRows, build_rows
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
 from .search.stribeck import refine_stribeck
+from .shared_delay import SharedDelay, measure_delay
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
 
@@ -52,9 +53,6 @@ _GLANCE, LOOK_STEPS = 2, 15
 _GLANCE_ERROR = 3.0
 """By how much a glance may be wrong about the logarithm of a Bayes factor: links are not linear."""
 
-_SURE = 2.0
-"""Standard deviations that a delay must have to be allowed for."""
-
 _EVIDENCE = 6.0
 """Logarithm of the least Bayes factor by which something is taken in: a probability of 0.998 at even odds."""
 
@@ -72,7 +70,7 @@ class ArmIdentification:
         rows: The equations, with the delay taken off.
         equations: Their sums.
         fit: Values and covariance, and what was taken in.
-        delay: By how much the torques are late [s], with its standard deviation.
+        delay: By how much the torques are late.
         prior: How far the simulation was trusted.
         trials: What was tried, with the logarithm of its Bayes factor when it was last weighed.
         rivals: Of each thing that was taken in, what would have done nearly as well in the same joint.
@@ -82,7 +80,7 @@ class ArmIdentification:
     rows: ArmRows
     equations: ArmEquations
     fit: ArmFit
-    delay: tuple[float, float]
+    delay: SharedDelay
     prior: ArmPrior
     trials: dict[str, float]
     rivals: dict[str, tuple[str, ...]]
@@ -111,17 +109,17 @@ def identify_arm(
     rows, equations = _choose_rows(arm, recording, model, prior)
     trials: dict[str, float] = {}
     rivals: dict[str, tuple[str, ...]] = {}
-    delay, deviation = 0.0, 0.0
+    delay = SharedDelay(0.0, 0.0, {})
     for _ in range(_PASSES):
         say("finding the delay of the torques")
-        rows, equations, delay, deviation = _take_off_delay(recording, rows, equations, model, prior, delay, arm)
+        rows, equations, delay = _take_off_delay(recording, rows, equations, model, prior, delay.value, arm)
         say("weighing what the simulation may have wrong")
         before = model
         model, fit, equations = _take_in(rows, equations, before, prior, trials, rivals, arm)
         if model == before:
             break
     fit, equations = fit_robustly(arm, rows, equations, model, prior, fit, settled=True)
-    return ArmIdentification(recording, rows, equations, fit, (delay, deviation), prior, trials, rivals)
+    return ArmIdentification(recording, rows, equations, fit, delay, prior, trials, rivals)
 
 
 def fit_robustly(
@@ -192,18 +190,20 @@ def _take_off_delay(
     prior: ArmPrior,
     start: float,
     arm: SimulatedArm,
-) -> tuple[ArmRows, ArmEquations, float, float]:
-    """Rows in which the torques are as early as the positions, the delay that was taken off [s], and its deviation."""
-    total, deviation = start, 0.0
+) -> tuple[ArmRows, ArmEquations, SharedDelay]:
+    """Rows in which the torques are as early as the positions, and the delay that was taken off."""
+    total, found = start, SharedDelay(start, 0.0, {})
     for _ in range(_DELAY_ROUNDS):  # settled: a joint that sticks turns later than it would
         fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
-        more, deviation = fit.delay
-        if abs(more) < (0.5 if total else _SURE) * deviation:
+        more = measure_delay(equations, fit, prior)
+        still = abs(more.value) < 0.5 * more.deviation or not (total or more.is_sure)
+        found = more.move(total, 0.0 if still else more.value)
+        if still:
             break
-        total += more
+        total = found.value
         rows = rows.with_delay(recording, total)
         equations = equations.with_torque(rows)
-    return rows, equations, total, deviation
+    return rows, equations, found
 
 
 def _take_in(

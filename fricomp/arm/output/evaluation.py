@@ -79,7 +79,7 @@ class FileTrial:
             friction=friction,
             spans=self.spans,
             band=found.rows.cutoff,
-            torque_delay=found.delay[0],
+            torque_delay=found.delay.value,
             positions=self.longest > 0.0,
             longest=self.longest,
         )

@@ -1,0 +1,105 @@
+"""The time by which the torques of all joints are late, as far as the joints agree on one.
+
+A gear that gives way, or friction that is not taken in yet, moves the delay that its joint asks for, and a mean over
+all joints with it: three of six joints whose motion an elastic gear bends made it 8 ms in place of none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import chi2
+
+from fricomp.laws import FloatArray
+
+from .equations import ArmEquations
+from .fit import ArmFit
+from .glance import Glance
+from .prior import ArmPrior
+
+__all__ = ["SharedDelay", "agree", "measure_delay", "take_median"]
+
+_OWN = "torque_delay"
+"""The term by which a joint has a delay of its own."""
+
+_SHOWN = 0.5
+"""Of the prior deviation, below which a joint says something of its delay."""
+
+_CHANCE = 0.05
+"""Probability by which joints that have one delay differ by too much to be taken to agree."""
+
+_SURE, _SURE_APART = 2.0, 3.5
+"""Standard deviations that a delay must have to be allowed for, where joints agree, and where they do not: then as many
+as anything that is taken in, odds of e⁶."""
+
+_NORMAL, _MEDIAN = 1.4826, 1.2533
+"""Standard deviation of a normal distribution over its median absolute deviation; of a median over that of a mean."""
+
+
+class SharedDelay(NamedTuple):
+    """What all joints say together.
+
+    Attributes:
+        value: By how much the torques are late [s].
+        deviation: Its standard deviation [s].
+        apart: Delay that each joint asks for by its number [s], where they do not agree.
+    """
+
+    value: float
+    deviation: float
+    apart: dict[int, float]
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it is allowed for."""
+        return abs(self.value) >= (_SURE_APART if self.apart else _SURE) * self.deviation
+
+    def move(self, before: float, more: float) -> SharedDelay:
+        """The same, of which `more` is taken off beside what was taken off before [s]."""
+        return SharedDelay(before + more, self.deviation, {joint: before + one for joint, one in self.apart.items()})
+
+
+def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> SharedDelay:
+    """By how much the torques are later than the rows allow for.
+
+    That of the fit where the joints agree on it; else the median of those that they ask for, each by itself.
+    """
+    joints, delays, spread = _ask_joints(equations, fit, prior)
+    shown = spread < _SHOWN * prior.delay
+    delays, spread = delays[shown], spread[shown]
+    if agree(delays, spread):
+        return SharedDelay(*fit.delay, {})
+    apart = dict(zip(joints[shown].tolist(), delays.tolist(), strict=True))
+    return SharedDelay(*take_median(delays, spread), apart)
+
+
+def agree(values: FloatArray, spread: FloatArray) -> bool:
+    """Whether values with these standard deviations may all be of one thing [dersimonian1986]."""
+    if values.size < 2:
+        return True
+    weights = spread**-2.0
+    away = values - weights @ values / np.sum(weights)
+    return bool(weights @ away**2 < chi2.isf(_CHANCE, values.size - 1))
+
+
+def take_median(values: FloatArray, spread: FloatArray) -> tuple[float, float]:
+    """Their median, and its standard deviation: by what they differ, and by what each is known to at least."""
+    middle = float(np.median(values))
+    wide = max(_NORMAL * float(np.median(np.abs(values - middle))), float(np.median(spread)))
+    return middle, _MEDIAN * wide / float(np.sqrt(values.size))
+
+
+def _ask_joints(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Numbers of joints without a delay of their own, the delay that each asks for, and its deviation [s]."""
+    forms = fit.model.forms
+    joints = [j for j, form in enumerate(forms) if _OWN not in form.names]
+    wider = tuple(form.with_term(_OWN, 0) if j in joints else form for j, form in enumerate(forms))
+    each = Glance(equations, fit, prior).solve(replace(fit.model, forms=wider))
+    pick = np.zeros((len(joints), each.x.size))
+    pick[:, -2] = 1.0  # of the delay of all
+    for row, j in zip(pick, joints, strict=True):
+        place, names = each.find_friction(j)
+        row[place.start + names.index(f"{_OWN}.delay.0")] = 1.0
+    return np.array(joints), pick @ each.x, np.sqrt(np.diag(pick @ each.covariance @ pick.T))

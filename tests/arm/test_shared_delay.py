@@ -1,0 +1,35 @@
+"""A delay of all torques is taken off where joints agree on it; a few joints do not make it that of all."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.arm.shared_delay import SharedDelay, agree, take_median
+
+
+def test_joints_with_one_delay_agree() -> None:
+    delays = 6e-3 + 1e-3 * np.random.default_rng(0).normal(size=6)
+    assert agree(delays, np.full(6, 1e-3))
+    assert agree(delays[:1], np.full(1, 1e-6))
+
+
+def test_joints_that_differ_ask_for_no_common_delay() -> None:
+    """Three joints whose motion an elastic gear bends, and three that it does not."""
+    delays = 1e-3 * np.array([-3.6, -4.0, -5.0, -0.6, -1.3, -1.0])
+    spread = 1e-3 * np.array([1.1, 0.6, 0.7, 1.6, 1.4, 1.2])
+    assert not agree(delays, spread)
+    assert not SharedDelay(*take_median(delays, spread), {0: 0.0}).is_sure
+
+
+def test_one_joint_does_not_move_what_most_ask_for() -> None:
+    delays, spread = 1e-3 * np.array([6.0, 6.1, 5.9, 6.0, 6.1, -2.0]), np.full(6, 1e-4)
+    assert not agree(delays, spread)
+    found = SharedDelay(*take_median(delays, spread), {5: -2e-3})
+    assert found.value == pytest.approx(6e-3, abs=1e-4)
+    assert found.is_sure
+
+
+def test_joints_apart_have_to_be_surer() -> None:
+    assert SharedDelay(0.005, 0.002, {}).is_sure
+    assert not SharedDelay(0.005, 0.002, {0: 0.009, 1: 0.001}).is_sure
