@@ -13,12 +13,12 @@ from ..identification.doubt import doubted
 from .joint_samples import JointSamples, RegressionSettings
 from .rigid_body import MotionIdentification, fit_rigid_body
 
-__all__ = ["MissedGravity", "doubt_for_gravity", "find_missed_gravity"]
+__all__ = ["HEAVY", "SURE", "MissedGravity", "doubt_for_gravity", "find_missed_gravity"]
 
-_HEAVY = 0.5
-"""What gravity must leave unexplained, over what is so without it, where it is missed; cogging leaves more."""
-_SURE = 4.0
-"""Standard deviations that such a gravity must have."""
+HEAVY = 0.5
+"""What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""
+SURE = 4.0
+"""Standard deviations that it must have."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def find_missed_gravity(samples: JointSamples, settings: RegressionSettings) -> 
     except IdentificationError:
         return None
     size = float(np.hypot(*heavy.gravity))
-    if heavy.residual > _HEAVY * without.residual or size < _SURE * max(heavy.gravity_deviations):
+    if heavy.residual > HEAVY * without.residual or size < SURE * max(heavy.gravity_deviations):
         return None
     return MissedGravity(size, without.residual, heavy.residual)
 

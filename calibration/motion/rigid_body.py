@@ -69,6 +69,7 @@ class RigidBodyFit:
         standard_deviations: Of inertia, viscous coefficient, Coulomb torque and offset, for correlated errors.
         gravity_deviations: Of g_c and g_s [N·m].
         residual: Root mean square of what is left, as a fraction of the torque's.
+        stiffness: Of a spring [N·m/rad] or [N/m] with its standard deviation; zeros where none was fitted.
     """
 
     inertia: float
@@ -79,6 +80,7 @@ class RigidBodyFit:
     standard_deviations: tuple[float, ...]
     gravity_deviations: tuple[float, float]
     residual: float
+    stiffness: tuple[float, float] = (0.0, 0.0)
 
     def rigid_torque(self, samples: JointSamples) -> FloatArray:
         """Torque of inertia, gravity and offset. Shape (n,)."""
@@ -109,12 +111,15 @@ class MotionIdentification:
     alike: float = 1.0
 
 
-def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows | None = None) -> RigidBodyFit:
-    """Least squares for inertia, symmetric Coulomb and viscous friction, offset, and gravity if asked.
+def fit_rigid_body(
+    samples: JointSamples, *, gravity: bool = False, spring: bool = False, rows: _Rows | None = None
+) -> RigidBodyFit:
+    """Least squares for inertia, symmetric Coulomb and viscous friction, offset, and gravity and a spring if asked.
 
     Args:
         samples: Filtered samples.
         gravity: Whether gravity acts.
+        spring: Whether a spring does.
         rows: Which of them count; all by default, which is right only where the joint never rests. Shape (n,).
 
     Raises:
@@ -125,7 +130,9 @@ def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows 
         raise IdentificationError(_NOT_APART)
     has_offset = not _is_one_way(samples.velocity[chosen])
     body = _body_columns(samples, gravity, has_offset=has_offset)[chosen]
-    columns = np.column_stack([body, samples.velocity[chosen], samples.direction[chosen]])
+    position = samples.position[chosen]
+    springs = [position - np.mean(position)] if spring and len(position) else []
+    columns = np.column_stack([body, *springs, samples.velocity[chosen], samples.direction[chosen]])
     if len(columns) < columns.shape[1]:
         raise IdentificationError(_NOT_APART)
     torque = samples.torque[chosen]
@@ -136,6 +143,9 @@ def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows 
     deviations = tuple(np.sqrt(np.diag(fit.covariance))[-2:].tolist())
     residual = float(np.sqrt(np.mean(fit.error**2) / np.mean(torque**2)))
     empty = RigidBodyFit(0.0, viscous, coulomb, 0.0, (0.0, 0.0), (0.0, *deviations, 0.0), (0.0, 0.0), residual)
+    if springs:
+        at = body.shape[1]
+        empty = replace(empty, stiffness=(float(fit.solution[at]), float(np.sqrt(fit.covariance[at, at]))))
     return _with_body(empty, fit, gravity, has_offset=has_offset)
 
 

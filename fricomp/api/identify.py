@@ -24,6 +24,7 @@ from fricomp.calibration.motion.joint_samples import (
     split_for,
 )
 from fricomp.calibration.motion.missed_gravity import doubt_for_gravity, find_missed_gravity
+from fricomp.calibration.motion.missed_spring import doubt_for_spring, find_missed_spring
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.table import is_friction_table, read_friction_table
@@ -268,9 +269,13 @@ def _identify_recording(
         chosen = replace(chosen, gravity=True)
         leave_out = f"{flag}no-gravity" if flag else "gravity=False"
         notes.append(f"Gravity is fitted: {missed.describe(meta.torque_unit)}; {leave_out} leaves it out.")
+    sprung = None if one_way else find_missed_spring(samples, chosen)
     motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
-    if missed is not None and settings.gravity is False:
-        motion = doubt_for_gravity(motion, missed, flag)
+    left_out = missed if settings.gravity is False else None
+    if sprung is not None and (left_out is None or sprung.left < left_out.left):
+        motion = doubt_for_spring(motion, sprung)
+    elif left_out is not None:
+        motion = doubt_for_gravity(motion, left_out, flag)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 
