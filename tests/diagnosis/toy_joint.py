@@ -33,6 +33,7 @@ class ToyJoint:
     resolution: float = 2 * np.pi / 2**18
     gains: tuple[float, float] = (900.0, 30.0)
     delay_samples: int = 0
+    limit: float = 1e9
 
 
 @numba.njit(cache=True)
@@ -52,6 +53,7 @@ def _run(ref: FloatArray, vref: FloatArray, aref: FloatArray, p: FloatArray, sub
         tau = p[19] * (ref[k] - xq) + p[20] * (vref[k] - vf) + J * aref[k] + grav * np.sin(xq + ph)
         out[0, k] = xq
         out[1, k] = tau
+        tau = min(max(tau, -p[24]), p[24])
         out[2, k] = x
         out[3, k] = w
         for _ in range(substeps):
@@ -136,6 +138,7 @@ def record(joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: in
             joint.resolution,
             *joint.gains,
             *joint.spring,
+            joint.limit,
         ]
     )
     out = _run(ref, vref, aref, p, 20)

@@ -84,10 +84,14 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
         spread = condition(refitted.covariance, linear, others)
         values = refitted.fit.theta[linear]
         distance = float(values @ np.linalg.pinv(spread, hermitian=True) @ values)
-        return "its interval holds zero" if distance < chi2.ppf(NEEDS.sure, len(linear) + len(others)) else ""
+        if distance >= chi2.ppf(NEEDS.sure, len(linear) + len(others)):
+            return ""
     quantities = refitted.list_parameters(name, "", "")
-    for _, parameter in own:
-        low, high = quantities[parameter.name].ci95
-        if parameter.null is not None and low <= parameter.null <= high:
-            return f"the interval of its {parameter.name.replace('_', ' ')} holds that of a joint without it"
-    return ""
+    intervals = {p.name: quantities[p.name].ci95 for _, p in own}
+    held = {p.name: intervals[p.name][0] <= p.null <= intervals[p.name][1] for _, p in own if p.null is not None}
+    if linear:
+        return "its interval holds zero" if all(held.values()) else ""
+    told = (
+        f"the interval of its {one.replace('_', ' ')} holds that of a joint without it" for one in held if held[one]
+    )
+    return next(told, "")

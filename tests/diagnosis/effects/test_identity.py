@@ -24,7 +24,7 @@ _MEMORYLESS: dict[str, list[dict[str, float]]] = {
     "power_law_viscous": [{"exponent": 0.6}],
     "quadratic_drag": [{}],
     "spring_torque": [{"centre": 0.2, "hardening": 0.5}],
-    "torque_saturation": [{}],
+    "torque_saturation": [{"limit": 1e9}],
 }
 """Effects without a memory, with the parameters that make their forms; the first linear one is set to its scale."""
 
