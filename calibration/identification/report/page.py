@@ -59,11 +59,9 @@ def write_identification_report(
     of_data = () if data is None else (draw_data_chart(data, "data", "What was used of the recording"),)
     for chart in (*charts, *of_data):
         draw_png(chart, folder / f"{chart.name}.png")
-    interval = "95 % interval, if the law held" if result.status is Status.LACK_OF_FIT else "95 % interval"
-    heads = ("parameter", "value", interval, "by profile likelihood", "unit")
     sections = (
         Section("Friction curve", (charts[0],)),
-        Section("Parameters", (Table(heads, parameter_rows(result)),)),
+        Section("Parameters", (_tabulate(result),)),
         Section("What was checked", _checks(result)),
         Section("Residuals", (charts[1],)),
         *((Section("Training", (charts[2], network_note(result))),) if len(charts) > 2 else ()),
@@ -86,6 +84,15 @@ def judge_status(status: Status) -> tuple[Outcome, str]:
     if find_doubt_in_status(status, "") is not None:
         return "failed", "Not usable"
     return ("passed", "Usable") if status is Status.CONVERGED else ("warning", "Usable with care")
+
+
+def _tabulate(result: IdentificationResult) -> Table:
+    """The parameters; the column of the profile is left out where no parameter has one."""
+    interval = "95 % interval, if the law held" if result.status is Status.LACK_OF_FIT else "95 % interval"
+    heads, rows = ("parameter", "value", interval, "by profile likelihood", "unit"), parameter_rows(result)
+    if any(row[3] for row in rows):
+        return Table(heads, rows)
+    return Table((*heads[:3], heads[4]), tuple((*row[:3], row[4]) for row in rows))
 
 
 def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
@@ -138,10 +145,9 @@ def _choose_shown(points: Observations) -> slice:
 
 def _checks(result: IdentificationResult) -> tuple[Check, ...]:
     status, _ = judge_status(result.status)
-    choice = (
-        f"{result.noise.kind} noise, level {result.noise.level:.4g}; the next best noise model is less likely by "
-        f"{result.noise.evidence:.2g} nats"
-    )
+    choice = f"{result.noise.kind} noise, level {result.noise.level:.4g}"
+    if np.isfinite(result.noise.evidence):  # none where its kind was known
+        choice += f"; the next best noise model is less likely by {result.noise.evidence:.2g} nats"
     error = result.distillation.largest_error
     exported = f"the exported network is within {error:.2g} of the largest torque of the closed form"
     return (
