@@ -64,7 +64,7 @@ def identify(
             deviation a point [N·m] or [N].
         seed: Seed of the network's first weights.
         law: `stribeck` (eight parameters), `free_stribeck` (its two exponents too), `symmetric_stribeck`, `coulomb`,
-            `coulomb_viscous`, `bidirectional_coulomb_viscous`, `tanh`, `arctan`. `lugre` and `dahl` have a state and
+            `coulomb_viscous`, `asymmetric_coulomb_viscous`, `tanh`, `arctan`. `lugre` and `dahl` have a state and
             need a time series with reversals: see `identify_dynamic`.
         loss: `gaussian`, or `robust` against outliers.
         options: Further settings.

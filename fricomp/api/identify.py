@@ -103,10 +103,10 @@ def identify(
         torque: Friction torque where `data` are velocities, with the sign of the velocity [N·m] or [N]. Shape (n,).
         normal_load: Normal load of these points, where dry friction depends on it. Shape () or (n,).
         law: As it is, `stribeck`, of a table that asks for another exponent than 2 `free_stribeck`, and of a recording
-            that does not determine its eight parameters `symmetric_stribeck`, `bidirectional_coulomb_viscous` or
+            that does not determine its eight parameters `symmetric_stribeck`, `asymmetric_coulomb_viscous` or
             `coulomb_viscous` where that is as good. Or by name: `stribeck`, with eight parameters; `free_stribeck`,
             with an exponent of each direction besides; fewer where the data hold less: `symmetric_stribeck` where both
-            directions are alike, `bidirectional_coulomb_viscous`, `coulomb_viscous` or `coulomb` where nothing slow
+            directions are alike, `asymmetric_coulomb_viscous`, `coulomb_viscous` or `coulomb` where nothing slow
             was measured, `tanh` or `arctan` for a curve without a step; of tables `auto`, which compares them on points
             that were held out.
         method: `pinn` trains the paper's network together with the parameters; `least_squares` is quicker and has the

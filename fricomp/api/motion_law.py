@@ -17,7 +17,7 @@ __all__ = ["USUAL_LAW", "identify_with_law"]
 
 USUAL_LAW = "stribeck"
 """Law of a recording for which none is asked."""
-_PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW = "coulomb_viscous", "symmetric_stribeck", "bidirectional_coulomb_viscous"
+_PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW = "coulomb_viscous", "symmetric_stribeck", "asymmetric_coulomb_viscous"
 """Laws with six, four and four parameters less, which take the place of the usual one where it is not determined."""
 _ONE_WAY_LAWS = ("coulomb_viscous", "coulomb")
 """Laws of a joint that moves in one direction alone, the first of which that is determined is given."""

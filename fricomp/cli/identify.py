@@ -75,9 +75,9 @@ def identify(
         typer.Option(
             rich_help_panel="Friction",
             help="stribeck, free_stribeck (its exponent too), symmetric_stribeck, coulomb, coulomb_viscous, "
-            "bidirectional_coulomb_viscous, tanh or arctan; for tables also auto. As it is, stribeck; of a table that "
+            "asymmetric_coulomb_viscous, tanh or arctan; for tables also auto. As it is, stribeck; of a table that "
             "asks for another exponent free_stribeck, of a recording that does not determine it symmetric_stribeck, "
-            "bidirectional_coulomb_viscous or coulomb_viscous.",
+            "asymmetric_coulomb_viscous or coulomb_viscous.",
             show_default=False,
         ),
     ] = "",

@@ -44,7 +44,7 @@ def test_a_joint_that_drags_more_one_way_is_usable_by_a_straight_line_for_each(r
         assert found.parameters[f"stribeck.{direction}.coulomb_torque"] == pytest.approx(COULOMB, rel=0.02)
         assert found.parameters[f"stribeck.{direction}.viscous_coefficient"] == pytest.approx(viscous, rel=0.05)
     assert found.model.reverse.static_torque == found.parameters["stribeck.reverse.coulomb_torque"]
-    assert any(note.startswith("Law: bidirectional_coulomb_viscous, which") for note in found.notes)
+    assert any(note.startswith("Law: asymmetric_coulomb_viscous, which") for note in found.notes)
 
 
 @pytest.mark.slow

@@ -245,7 +245,7 @@ _FORMS: Mapping[str, _Template] = {
     "symmetric_stribeck": (_Stribeck(), tuple(f"symmetric_stribeck.curve.{p}" for p in _CURVE), False),
     "coulomb": (_Coulomb(), ("coulomb.coulomb_torque",), False),
     "coulomb_viscous": (_CoulombViscous(), ("coulomb.coulomb_torque", "viscous.viscous_coefficient"), False),
-    "bidirectional_coulomb_viscous": (
+    "asymmetric_coulomb_viscous": (
         _CoulombViscous(),
         tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in ("coulomb_torque", "viscous_coefficient")),
         True,
@@ -287,7 +287,7 @@ def separable_law(name: str, load: LoadScaling | None = None, *, free_sensitivit
     sensitivity = f"{owner}.load.load_sensitivity" if free_sensitivity else None
     all_names = (*names, sensitivity) if sensitivity else names
     reference = (load or LoadScaling()).reference_load
-    tied = _FLAT if name == "bidirectional_coulomb_viscous" else {}
+    tied = _FLAT if name == "asymmetric_coulomb_viscous" else {}
     return SeparableLaw(name, basis, all_names, template, bidirectional, reference, sensitivity, tied)
 
 
@@ -299,7 +299,7 @@ def _template(name: str, load: LoadScaling) -> FrictionLaw:
         "symmetric_stribeck": (Stribeck(_ONE, load),),
         "coulomb": (Coulomb(1.0, load),),
         "coulomb_viscous": (Coulomb(1.0, load), Viscous(1.0)),
-        "bidirectional_coulomb_viscous": (BidirectionalStribeck(_ONE, _ONE, load),),
+        "asymmetric_coulomb_viscous": (BidirectionalStribeck(_ONE, _ONE, load),),
         "tanh": (SmoothedCoulomb(1.0, 1.0, shape, load), Viscous(1.0)),
         "arctan": (SmoothedCoulomb(1.0, 1.0, shape, load), Viscous(1.0)),
     }

@@ -155,7 +155,7 @@ def _flat_message(branches: list[int], form: SeparableLaw, points: Observations)
     low, high = float(points.speed.min()), float(points.speed.max())
     return (
         f"no Stribeck effect shows{where} between {low:.3g} and {high:.3g}: take a law without one (coulomb_viscous, "
-        f"bidirectional_coulomb_viscous or auto), or add speeds below {low:.3g} where one is expected there"
+        f"asymmetric_coulomb_viscous or auto), or add speeds below {low:.3g} where one is expected there"
     )
 
 

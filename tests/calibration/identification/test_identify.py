@@ -171,7 +171,7 @@ def test_unusable_input_is_refused_with_a_reason(
     [
         "coulomb",
         "coulomb_viscous",
-        "bidirectional_coulomb_viscous",
+        "asymmetric_coulomb_viscous",
         "tanh",
         "arctan",
         "symmetric_stribeck",
