@@ -33,12 +33,13 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = JOINT.row_width)
 
 
 class WeakRows(NamedTuple):
-    """Rows of the weak form: shape (n,) each, `free` of shape (n, 4), or (n, 2) of a linear joint: an offset, a spring
-    and gravity."""
+    """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint, with the offset;
+    `spring` of shape (n, 1), or (n, 0) where none is looked for."""
 
     torque: FloatArray
     inertia: FloatArray
-    free: FloatArray
+    gravity: FloatArray
+    spring: FloatArray
     velocity: FloatArray
     direction: FloatArray
 
@@ -72,16 +73,32 @@ def estimate_plants(
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
     joined = WeakRows(*(part[keep] for part in joined))
-    top = float(np.quantile(np.abs(joined.velocity), 0.98))
-    grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
-    start = min((_compute_cost(np.array([a, a]), joined, known), a) for a in grid)[1]
-    found = minimize(
-        _compute_cost, np.array([start, start]), args=(joined, known), method="Nelder-Mead", options={"maxiter": 80}
-    )
-    falls = np.clip(found.x, np.log(JOINT.lowest_stribeck * top), np.log(top))  # without static friction one runs away
-    solution = _solve(falls, joined, known)[0]
+    stiff = joined._replace(spring=joined.spring[:, :0])
+    falls, solution = _fit_falls(stiff, rest_speed, known)
+    if _compute_cost(falls, joined, known) < JOINT.spring_left * _compute_cost(falls, stiff, known):
+        falls, solution = _fit_falls(joined, rest_speed, known)
+    else:
+        joined = stiff
     usual, level = (_build_plant(falls, solution, joined, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
+
+
+def _fit_falls(rows: WeakRows, rest_speed: float, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
+    """Logarithms of both Stribeck velocities, shape (2,), and what is linear beside them, shape (p,).
+
+    Args:
+        rows: Of all recordings.
+        rest_speed: Slower samples take no part [rad/s].
+        known: Inertia and gravity of a simulation.
+    """
+    top = float(np.quantile(np.abs(rows.velocity), 0.98))
+    grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
+    start = min((_compute_cost(np.array([a, a]), rows, known), a) for a in grid)[1]
+    found = minimize(
+        _compute_cost, np.array([start, start]), args=(rows, known), method="Nelder-Mead", options={"maxiter": 80}
+    )
+    falls = np.clip(found.x, np.log(JOINT.lowest_stribeck * top), np.log(top))  # without static friction one runs away
+    return falls, _solve(falls, rows, known)[0]
 
 
 def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
@@ -104,18 +121,19 @@ def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
 
     q = track.position
     curvature = curvature - curvature.mean()
-    free = [np.ones_like(q), q] + ([np.cos(q), np.sin(q)] if track.rotary else [])
+    gravity = [np.ones_like(q)] + ([np.cos(q), np.sin(q)] if track.rotary else [])
     return WeakRows(
         torque=average(track.torque, phi),
         inertia=average(q - q.mean(), curvature),
-        free=np.stack([average(one, phi) for one in free], axis=1),
+        gravity=np.stack([average(g, phi) for g in gravity], axis=1),
+        spring=average(q - q.mean(), phi)[:, None],
         velocity=average(track.velocity, phi),
         direction=np.sign(track.velocity[centres]),
     )
 
 
 def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
-    columns = [rows.inertia, *rows.free.T]
+    columns = [rows.inertia, *rows.gravity.T, *rows.spring.T]
     for speed, sign in zip(np.exp(log_speeds), (1.0, -1.0), strict=True):
         on = rows.direction == sign
         fall = np.exp(-((rows.velocity / speed) ** 2))
@@ -126,13 +144,13 @@ def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
 def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> tuple[FloatArray, float]:
     """Least squares with inertia and friction not negative, gravity, spring and offset free, and a touch of ridge.
 
-    Of solutions that fit alike it takes the one near the simulation, with hardly any offset, no spring, even directions
-    and friction that hardly falls with speed: sliding shows an offset and the difference of the directions as one sum,
-    and one speed shows Coulomb, static and viscous torque as one. The spring is no part of the plant: an effect that
-    the search may find, which would pass for an inertia here.
+    Of solutions that fit alike it takes the one near the simulation, with hardly any offset, even directions and
+    friction that hardly falls with speed: sliding shows an offset and the difference of the directions as one sum,
+    and one speed shows Coulomb, static and viscous torque as one. A spring is no part of the plant: an effect that
+    the search may find, which a strong one would let pass for an inertia here.
     """
     A = _build_columns(log_speeds, rows)
-    free = rows.free.shape[1]
+    free = rows.gravity.shape[1] + rows.spring.shape[1]
     split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
     norm = np.linalg.norm(split, axis=0) + 1e-12
     forward, reverse = norm[1 + free : 4 + free], norm[4 + free : 7 + free]
@@ -140,7 +158,7 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
     ridge = 1e-4 * np.sqrt(rows.torque.size)
     R = np.asarray(np.linalg.qr(np.concatenate([split, rows.torque[:, None]], axis=1), mode="r"))
     size = norm / np.sqrt(rows.torque.size)
-    usual, wanted = _build_usual(size, free, known)
+    usual, wanted = _build_usual(size, free, rows.gravity.shape[1], known)
     usual, wanted = (JOINT.usual_weight * np.sqrt(rows.torque.size) * one for one in (usual, wanted))
     system = np.concatenate([R[:, :-1] / size, ridge * np.eye(norm.size), usual])
     target = np.concatenate([R[:, -1], np.zeros(norm.size), wanted])
@@ -150,18 +168,21 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
     return x[: A.shape[1]], float(cost)
 
 
-def _build_usual(size: FloatArray, free: int, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
+def _build_usual(
+    size: FloatArray, free: int, of_gravity: int, known: RigidJoint | None
+) -> tuple[FloatArray, FloatArray]:
     """Rows and right sides of what is usual: no offset, no spring, no fall of friction with speed, directions that are
     alike, and inertia and gravity of the simulation.
 
     Shapes (k, p), (k,).
     """
     opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
-    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, 2)] + [{forward + 1: 1.0}, {forward + 4: 1.0}]
+    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, *range(1 + of_gravity, 1 + free))]
+    usual += [{forward + 1: 1.0}, {forward + 4: 1.0}]
     usual += [{one: 1.0, one + 3: -1.0} for one in range(forward, forward + 3)]
     wanted = [0.0] * len(usual)
     if known is not None:
-        columns = (0, *range(3, 1 + free))
+        columns = (0, *range(2, 1 + of_gravity))
         usual += [{0: 1.0}, *({column: 1.0, opposite + column: -1.0} for column in columns[1:])]
         body = known.inertia, *known.gravity
         wanted += [value * size[column] for value, column in zip(body, columns, strict=False)]
@@ -176,8 +197,8 @@ def _compute_cost(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | No
 
 
 def _build_plant(log_speeds: FloatArray, x: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
-    free = rows.free.shape[1]
-    gravity = (float(x[3]), float(x[4])) if free == 4 else (0.0, 0.0)
+    free = rows.gravity.shape[1] + rows.spring.shape[1]
+    gravity = (float(x[2]), float(x[3])) if rows.gravity.shape[1] == 3 else (0.0, 0.0)
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
     speeds = np.exp(log_speeds)
     floor = 1e-3 * float(np.std(rows.torque))
