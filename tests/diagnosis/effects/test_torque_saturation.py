@@ -13,7 +13,7 @@ from ..toy_joint import ToyJoint, recording
 @pytest.mark.slow
 def test_a_torque_limit_that_the_command_exceeds_is_named_with_its_size() -> None:
     limit = 6.3
-    log = recording(ToyJoint(limit=limit), "fourier", 30.0, 3, every=2)
+    log = recording(ToyJoint(limit=limit), "fourier", 40.0, 3)
     beyond = float(np.mean(np.abs(np.asarray(log.torque)) > limit))
     assert 0.001 < beyond < 0.2
     answer = diagnose(log)
