@@ -23,8 +23,13 @@ from fricomp.calibration.motion.joint_samples import (
     sample_joint,
     split_for,
 )
-from fricomp.calibration.motion.missed_gravity import doubt_for_gravity, find_missed_gravity
-from fricomp.calibration.motion.missed_spring import doubt_for_spring, find_missed_spring
+from fricomp.calibration.motion.missed_torque import (
+    describe_gravity,
+    doubt_for_gravity,
+    doubt_for_spring,
+    find_missed_gravity,
+    find_missed_spring,
+)
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.table import is_friction_table, read_friction_table
@@ -268,7 +273,7 @@ def _identify_recording(
     if missed is not None and settings.gravity is None:
         chosen = replace(chosen, gravity=True)
         leave_out = f"{flag}no-gravity" if flag else "gravity=False"
-        notes.append(f"Gravity is fitted: {missed.describe(meta.torque_unit)}; {leave_out} leaves it out.")
+        notes.append(f"Gravity is fitted: {describe_gravity(missed, meta.torque_unit)}; {leave_out} leaves it out.")
     sprung = None if one_way else find_missed_spring(samples, chosen)
     motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
     left_out = missed if settings.gravity is False else None

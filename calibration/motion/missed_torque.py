@@ -1,0 +1,131 @@
+"""Torque that goes with the position and is not fitted, of gravity or a spring: friction and inertia would hold it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fricomp.errors import IdentificationError
+
+from ..identification import Status
+from ..identification.doubt import doubted
+from .joint_samples import JointSamples, RegressionSettings
+from .rigid_body import MotionIdentification, RigidBodyFit, fit_rigid_body
+
+__all__ = [
+    "MissedTorque",
+    "describe_gravity",
+    "doubt_for_gravity",
+    "doubt_for_spring",
+    "find_missed_gravity",
+    "find_missed_spring",
+]
+
+_HEAVY = 0.5
+"""What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""
+_SURE = 4.0
+"""Standard deviations that it must have."""
+
+
+@dataclass(frozen=True)
+class MissedTorque:
+    """Gravity or a spring that a fit without it misses.
+
+    Attributes:
+        size: Largest torque of gravity [N·m]; stiffness of a spring [N·m/rad] or [N/m].
+        without: Part of the torque that is unexplained without it.
+        left: The same with it.
+    """
+
+    size: float
+    without: float
+    left: float
+
+
+def find_missed_gravity(samples: JointSamples, settings: RegressionSettings) -> MissedTorque | None:
+    """Find gravity that explains most of what a fit without it leaves; None where there is none, or it is fitted.
+
+    Args:
+        samples: Of a rotary joint.
+        settings: As it is to be identified.
+    """
+    fits = None if settings.gravity else _fit_both(samples, settings, gravity=True)
+    if fits is None:
+        return None
+    without, heavy = fits
+    return _judge(without, heavy, float(np.hypot(*heavy.gravity)), max(heavy.gravity_deviations))
+
+
+def find_missed_spring(samples: JointSamples, settings: RegressionSettings) -> MissedTorque | None:
+    """Find a spring that explains most of what a fit without it leaves; None where there is none.
+
+    Args:
+        samples: Filtered samples.
+        settings: As it is to be identified, gravity included, which over a short way looks alike.
+    """
+    fits = _fit_both(samples, settings, gravity=settings.gravity, spring=True)
+    if fits is None:
+        return None
+    without, sprung = fits
+    return _judge(without, sprung, *sprung.stiffness)
+
+
+def describe_gravity(missed: MissedTorque, unit: str) -> str:
+    """Say how gravity shows, in half a sentence."""
+    return (
+        f"the torque holds {missed.size:.4g} {unit} that goes with sine and cosine of the angle, as gravity does: "
+        f"without gravity {missed.without:.2g} of the torque is unexplained, with it {missed.left:.2g}"
+    )
+
+
+def doubt_for_gravity(motion: MotionIdentification, missed: MissedTorque, flag: str) -> MotionIdentification:
+    """The motion with its friction in doubt, which holds gravity that was not to be fitted.
+
+    Args:
+        motion: Identified without gravity.
+        missed: What it misses.
+        flag: What stands before the name of an argument, such as `--` on the command line.
+    """
+    shown = describe_gravity(missed, motion.friction.model.torque_unit)
+    return _doubt(motion, f"{shown}, and friction would hold it; say {flag}gravity")
+
+
+def doubt_for_spring(motion: MotionIdentification, missed: MissedTorque) -> MotionIdentification:
+    """The motion with its friction in doubt, which holds what the spring does.
+
+    Args:
+        motion: Identified without the spring.
+        missed: What it misses.
+    """
+    model = motion.friction.model
+    unit = f"{model.torque_unit}/{'rad' if model.motion == 'rotary' else 'm'}"
+    message = (
+        f"the torque follows the position like a spring of {missed.size:.4g} {unit}: without it {missed.without:.2g} "
+        f"of the torque is unexplained, with it {missed.left:.2g}; inertia and friction hold a part of it here: take "
+        "'fricomp diagnose', whose model has a spring"
+    )
+    return _doubt(motion, message)
+
+
+def _fit_both(
+    samples: JointSamples, settings: RegressionSettings, *, gravity: bool, spring: bool = False
+) -> tuple[RigidBodyFit, RigidBodyFit] | None:
+    """The body as it is to be identified, and with more; None where the motion does not excite that."""
+    rows = samples.sliding(settings.slowest, bends=False)
+    try:
+        without = fit_rigid_body(samples, gravity=settings.gravity, rows=rows)
+        return without, fit_rigid_body(samples, gravity=gravity, spring=spring, rows=rows)
+    except IdentificationError:
+        return None
+
+
+def _judge(without: RigidBodyFit, more: RigidBodyFit, size: float, deviation: float) -> MissedTorque | None:
+    """What is missed, where it explains most and is sure."""
+    if more.residual > _HEAVY * without.residual or abs(size) < _SURE * deviation:
+        return None
+    return MissedTorque(size, without.residual, more.residual)
+
+
+def _doubt(motion: MotionIdentification, message: str) -> MotionIdentification:
+    return replace(motion, friction=doubted(motion.friction, Status.NOT_IDENTIFIABLE, message))
