@@ -91,7 +91,5 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
     held = {p.name: intervals[p.name][0] <= p.null <= intervals[p.name][1] for _, p in own if p.null is not None}
     if linear:
         return "its interval holds zero" if all(held.values()) else ""
-    told = (
-        f"the interval of its {one.replace('_', ' ')} holds that of a joint without it" for one in held if held[one]
-    )
-    return next(told, "")
+    at = next((one.replace("_", " ") for one, holds in held.items() if holds), "")
+    return f"the interval of its {at} holds that of a joint without it" if at else ""

@@ -43,6 +43,11 @@ class WeakRows(NamedTuple):
     velocity: FloatArray
     direction: FloatArray
 
+    @property
+    def free(self) -> int:
+        """Number of the columns that may have either sign: of offset, gravity and spring."""
+        return int(self.gravity.shape[1] + self.spring.shape[1])
+
 
 def estimate_plants(
     tracks: Sequence[Track],
@@ -72,14 +77,13 @@ def estimate_plants(
             "record a faster motion"
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
-    joined = WeakRows(*(part[keep] for part in joined))
-    stiff = joined._replace(spring=joined.spring[:, :0])
-    falls, solution = _fit_falls(stiff, rest_speed, known)
-    if _compute_cost(falls, joined, known) < JOINT.spring_left * _compute_cost(falls, stiff, known):
-        falls, solution = _fit_falls(joined, rest_speed, known)
-    else:
-        joined = stiff
-    usual, level = (_build_plant(falls, solution, joined, hold=hold) for hold in (False, True))
+    sprung = WeakRows(*(part[keep] for part in joined))
+    chosen = sprung._replace(spring=sprung.spring[:, :0])
+    falls, solution = _fit_falls(chosen, rest_speed, known)
+    if _compute_cost(falls, sprung, known) < JOINT.spring_left * _compute_cost(falls, chosen, known):
+        chosen = sprung
+        falls, solution = _fit_falls(sprung, rest_speed, known)
+    usual, level = (_build_plant(falls, solution, chosen, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
 
 
@@ -150,7 +154,7 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
     the search may find, which a strong one would let pass for an inertia here.
     """
     A = _build_columns(log_speeds, rows)
-    free = rows.gravity.shape[1] + rows.spring.shape[1]
+    free = rows.free
     split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
     norm = np.linalg.norm(split, axis=0) + 1e-12
     forward, reverse = norm[1 + free : 4 + free], norm[4 + free : 7 + free]
@@ -158,7 +162,7 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
     ridge = 1e-4 * np.sqrt(rows.torque.size)
     R = np.asarray(np.linalg.qr(np.concatenate([split, rows.torque[:, None]], axis=1), mode="r"))
     size = norm / np.sqrt(rows.torque.size)
-    usual, wanted = _build_usual(size, free, rows.gravity.shape[1], known)
+    usual, wanted = _build_usual(size, rows, known)
     usual, wanted = (JOINT.usual_weight * np.sqrt(rows.torque.size) * one for one in (usual, wanted))
     system = np.concatenate([R[:, :-1] / size, ridge * np.eye(norm.size), usual])
     target = np.concatenate([R[:, -1], np.zeros(norm.size), wanted])
@@ -168,28 +172,27 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
     return x[: A.shape[1]], float(cost)
 
 
-def _build_usual(
-    size: FloatArray, free: int, of_gravity: int, known: RigidJoint | None
-) -> tuple[FloatArray, FloatArray]:
+def _build_usual(size: FloatArray, rows: WeakRows, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
     """Rows and right sides of what is usual: no offset, no spring, no fall of friction with speed, directions that are
     alike, and inertia and gravity of the simulation.
 
     Shapes (k, p), (k,).
     """
+    free, springs = rows.free, 1 + rows.gravity.shape[1]  # where those begin
     opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
-    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, *range(1 + of_gravity, 1 + free))]
+    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, *range(springs, 1 + free))]
     usual += [{forward + 1: 1.0}, {forward + 4: 1.0}]
     usual += [{one: 1.0, one + 3: -1.0} for one in range(forward, forward + 3)]
     wanted = [0.0] * len(usual)
     if known is not None:
-        columns = (0, *range(2, 1 + of_gravity))
+        columns = (0, *range(2, springs))
         usual += [{0: 1.0}, *({column: 1.0, opposite + column: -1.0} for column in columns[1:])]
         body = known.inertia, *known.gravity
         wanted += [value * size[column] for value, column in zip(body, columns, strict=False)]
-    rows = np.zeros((len(usual), size.size))
-    for row, signs in zip(rows, usual, strict=True):
+    system = np.zeros((len(usual), size.size))
+    for row, signs in zip(system, usual, strict=True):
         row[list(signs)] = list(signs.values())
-    return rows, np.array(wanted)
+    return system, np.array(wanted)
 
 
 def _compute_cost(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> float:
@@ -197,7 +200,7 @@ def _compute_cost(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | No
 
 
 def _build_plant(log_speeds: FloatArray, x: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
-    free = rows.gravity.shape[1] + rows.spring.shape[1]
+    free = rows.free
     gravity = (float(x[2]), float(x[3])) if rows.gravity.shape[1] == 3 else (0.0, 0.0)
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
     speeds = np.exp(log_speeds)
