@@ -231,8 +231,12 @@ LARGEST_DRY = 10.0
 _DRY = ("coulomb_torque", "static_torque")
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
 _FREE_CURVE = (*_CURVE, "stribeck_exponent")
-_FLAT = {f"stribeck.{d}.static_torque": f"stribeck.{d}.coulomb_torque" for d in ("forward", "reverse")}
-"""What makes a Stribeck curve one that does not fall."""
+_TIED: Mapping[str, Mapping[str, str]] = {
+    "asymmetric_coulomb_viscous": {
+        f"stribeck.{d}.static_torque": f"stribeck.{d}.coulomb_torque" for d in ("forward", "reverse")
+    }
+}
+"""Of a form, the parameters that follow others: a Stribeck curve that does not fall."""
 _ONE = StribeckCurve(1.0, 1.0, 1.0, 1.0)
 _Template = tuple[Basis, tuple[str, ...], bool]
 _FORMS: Mapping[str, _Template] = {
@@ -287,7 +291,7 @@ def separable_law(name: str, load: LoadScaling | None = None, *, free_sensitivit
     sensitivity = f"{owner}.load.load_sensitivity" if free_sensitivity else None
     all_names = (*names, sensitivity) if sensitivity else names
     reference = (load or LoadScaling()).reference_load
-    tied = _FLAT if name == "asymmetric_coulomb_viscous" else {}
+    tied = _TIED.get(name, {})
     return SeparableLaw(name, basis, all_names, template, bidirectional, reference, sensitivity, tied)
 
 

@@ -17,7 +17,7 @@ from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources import is_text, read_columns
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
-from fricomp.recording.sources.text import as_table, cut_rows, find_encoding, number_or_nan, read_lines
+from fricomp.recording.sources.text import FIRST_LINES, as_table, cut_rows, find_encoding, number_or_nan, read_lines
 from fricomp.recording.sources.text_layout import TextLayout, find_layout
 from fricomp.recording.sources.topic import Topic
 from fricomp.recording.validity import Samples
@@ -38,8 +38,6 @@ __all__ = [
     "separate_long_rows",
 ]
 
-_FIRST_LINES = 200
-"""Lines among which names and the first row are looked for."""
 _JOINT_COLUMNS = ("joint", "joint_name", "name", "motor", "motor_name", "axis", "actuator", "drive")
 _SIGNAL_COLUMNS = ("signal", "variable", "channel", "measurement", "field", "_field", "topic", "key", "name", "tag")
 _VALUE_COLUMNS = ("value", "_value", "values", "wert", "data")
@@ -149,7 +147,7 @@ def read_layout(path: Path) -> TextLayout:
         RecordingError: It is no text, or no line of it is a row of numbers.
     """
     with path.open(encoding=find_encoding(path), errors="replace") as stream:
-        lines = [line[:_LONGEST_LINE] for line in itertools.islice(stream, _FIRST_LINES)]
+        lines = [line[:_LONGEST_LINE] for line in itertools.islice(stream, FIRST_LINES)]
     return _require_layout(path, as_table(lines))
 
 
@@ -172,7 +170,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
     if fast is not None:
         return fast
     lines = read_lines(path)
-    layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:_FIRST_LINES]])
+    layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
     if not layout.names:
         raise RecordingError(explain_unnamed(path))
     rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
@@ -194,7 +192,7 @@ def _read_large_text(path: Path) -> dict[str, Samples] | None:
     if head is None:
         return None
     lines = head[0].splitlines(keepends=True)
-    layout = find_layout(lines[:_FIRST_LINES])
+    layout = find_layout(lines[:FIRST_LINES])
     if layout is None:
         return None
     names = [name.strip() for name in layout.names or ()]
@@ -229,7 +227,7 @@ def read_unnamed_columns(path: Path) -> dict[str, Samples]:
         RecordingError: It is no table of numbers.
     """
     lines = read_lines(path)
-    layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:_FIRST_LINES]])
+    layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
     rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
     numbers = range(max(map(len, rows), default=0))
     return {str(k + 1): np.array([number_or_nan(row, k, layout.decimal) for row in rows]) for k in numbers}

@@ -18,7 +18,7 @@ from fricomp.untrusted import find_size_limit
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _SAMPLE = 2**20
 """Bytes by which an encoding is told."""
-_FIRST_LINES = 200
+FIRST_LINES = 200
 """Lines by which it is told how a text is laid out."""
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
@@ -72,7 +72,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     try:
-        has_layout = find_layout(lines[:_FIRST_LINES]) is not None
+        has_layout = find_layout(lines[:FIRST_LINES]) is not None
     except csv.Error:
         return lines  # whose reader says what is wrong with it
     return (None if has_layout else tabulate_labelled(lines, is_whole=is_whole)) or lines
