@@ -13,10 +13,11 @@ from fricomp.errors import RecordingError
 from fricomp.recording import check_recording, convert, load_mapping
 from fricomp.recording.file import read_content
 from fricomp.recording.inspection.inspection import inspect_log
-from fricomp.recording.inspection.mapping_text import render_mapping
 from fricomp.recording.named.column import read_column_name
 from fricomp.recording.named.log import read_named_log
 from fricomp.recording.runs import order_runs
+
+from .proposed_mapping import convert_by_proposal
 
 N_ROWS, RATE = 900, 125.0
 TIME = np.arange(N_ROWS) / RATE
@@ -126,13 +127,9 @@ def test_it_is_read_as_it_was_measured(form: Write, tmp_path: Path) -> None:
     "form", [write_pairs_of_time_and_value, write_labels, write_chinese, write_days, write_timeseries]
 )
 def test_its_mapping_reads_the_same(form: Write, tmp_path: Path) -> None:
-    path, mapping = form(tmp_path), tmp_path / "log.toml"
-    seen = inspect_log(path)
-    assert seen.log is not None
-    mapping.write_text(render_mapping(path, seen.log), encoding="utf-8")
-    (found,) = convert(path, load_mapping(mapping))
-    assert found.recording.position == pytest.approx(POSITION, abs=1e-6)
-    assert found.recording.torque == pytest.approx(TORQUE, abs=1e-5)
+    recording = convert_by_proposal(form(tmp_path), tmp_path)
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
+    assert recording.torque == pytest.approx(TORQUE, abs=1e-5)
 
 
 def test_points_between_thousands_are_no_decimals(tmp_path: Path) -> None:
@@ -182,11 +179,6 @@ def test_a_name_says_which_quantity(name: str, channel: str, joint: str) -> None
     meaning = read_column_name(name)
     assert meaning is not None
     assert (meaning.channel, meaning.joint) == (channel, joint)
-
-
-@pytest.mark.parametrize("name", ["logs.dq.Time", "velocity_stamp", "torque.time [s]", "position.signals.dimensions"])
-def test_when_a_channel_was_taken_is_no_channel(name: str) -> None:
-    assert read_column_name(name) is None
 
 
 @pytest.mark.parametrize("name", ["Present Current", "torque"])

@@ -15,10 +15,11 @@ from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import RecordingError
 from fricomp.recording import convert, load_mapping
 from fricomp.recording.file import read_content
-from fricomp.recording.inspection.inspection import inspect_log
 from fricomp.recording.inspection.mapping_text import render_mapping
 from fricomp.recording.named.log import read_named_log
 from fricomp.sim_bench.studies.logs.good_log import COULOMB, VISCOUS, joint_log
+
+from .proposed_mapping import convert_by_proposal
 
 N_ROWS, RATE = 1200, 160.0
 TIME = np.arange(N_ROWS) / RATE
@@ -119,13 +120,9 @@ def test_it_is_read_as_it_was_measured(form: Write, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_its_mapping_reads_the_same(form: Write, tmp_path: Path) -> None:
-    path, mapping = form(tmp_path), tmp_path / "log.toml"
-    seen = inspect_log(path)
-    assert seen.log is not None
-    mapping.write_text(render_mapping(path, seen.log), encoding="utf-8")
-    (found,) = convert(path, load_mapping(mapping))
-    assert found.recording.torque == pytest.approx(TORQUE, abs=1e-6)
-    assert found.recording.position == pytest.approx(POSITION, abs=1e-6)
+    recording = convert_by_proposal(form(tmp_path), tmp_path)
+    assert recording.torque == pytest.approx(TORQUE, abs=1e-6)
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
 
 
 def test_a_current_a_sensor_and_a_command_stand_in_for_a_torque(tmp_path: Path) -> None:

@@ -182,7 +182,13 @@ def test_word_and_unit_agree_on_what_it_is(name: str, channel: str, unit: str) -
     assert (meaning.channel, meaning.unit) == (channel, unit)
 
 
-@pytest.mark.parametrize("name", ["posErr", "torque_enable", "observed torque constant [Nm/A]", "torque [rad]"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "posErr", "torque_enable", "observed torque constant [Nm/A]", "torque [rad]", "logs.dq.Time", "velocity_stamp",
+        "torque.time [s]", "position.signals.dimensions",
+    ],
+)  # fmt: skip
 def test_what_is_no_channel_is_taken_for_none(name: str) -> None:
     assert read_column_name(name) is None
 
