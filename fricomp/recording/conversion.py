@@ -13,7 +13,7 @@ from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, 
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample_checked
-from fricomp.recording.runs import integrate, order_runs
+from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.sources import Columns, find_column, read_columns
 from fricomp.recording.stamps import spread_stamps
 from fricomp.recording.unit import find_unit
@@ -133,7 +133,7 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
     for name, rule in plan.channels.items():
         if rule.from_zero:
             channels[name] = channels[name] - channels[name][:1]
-    for mend in (drop_twins, mend_stamps, order_runs) if _of_one_length(channels) else ():
+    for mend in (drop_twins, sort_rows, mend_stamps, order_runs) if _of_one_length(channels) else ():
         channels, told = mend(channels)
         findings += told
     try:
@@ -237,6 +237,8 @@ def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done
         values = np.unwrap(values, period=rule.unwrap)
     if rule.spread:
         values = spread_stamps(values)
+    if rule.steps:
+        values = np.cumsum(values)
     if rule.delay != 0.0 and name != "time":
         values = np.interp(done["time"] - rule.delay, done["time"], values)
     return values + done[rule.plus] if rule.plus is not None else values

@@ -26,6 +26,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
+from fricomp.recording.runs import sort_rows
 from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.validity import drop_bad_rows, mend_stamps
 from fricomp.untrusted import parse_json
@@ -115,8 +116,9 @@ def _build_content(
     path: Path, fields: dict[str, Any], columns: dict[str, NDArray[np.float64]], findings: tuple[Finding, ...]
 ) -> FileContent:
     try:
+        columns, late = sort_rows(columns)
         columns, repeated = mend_stamps(columns)
-        return FileContent(Recording.from_channels(columns, metadata_from_fields(fields)), findings + repeated)
+        return FileContent(Recording.from_channels(columns, metadata_from_fields(fields)), findings + late + repeated)
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 

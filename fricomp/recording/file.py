@@ -1,5 +1,6 @@
 """Recordings on disk: the suffix of the path decides between CSV and Parquet."""
 
+import itertools
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,9 +12,11 @@ from fricomp.recording.csv_file import FileContent, read_csv, write_csv
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
 from fricomp.recording.named.column import simplify_joint
 from fricomp.recording.named.log import is_native, read_named_log
-from fricomp.recording.named.source import is_bag_folder
+from fricomp.recording.named.source import is_bag_folder, read_first_lines
 from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
+from fricomp.recording.sources.text import read_lines
+from fricomp.recording.sources.text_layout import is_comment
 
 _CSV = (".csv", ".txt")
 _RESTS = 0.01
@@ -92,7 +95,28 @@ def read_content(
         return _read_named(path, channels or {}, joint, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     if path.suffix.lower() in _PARQUET:
         return read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
-    return read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+    try:
+        return read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+    except RecordingError:
+        if skip_bad_rows or row_rate is not None or read_first_lines(path, 0).states_schema:
+            raise
+        return _read_leniently(path, joint)
+
+
+def _read_leniently(path: Path, joint: str | None) -> FileContent:
+    """A log whose columns happen to be called as channels are, with words or runs between its rows; or why not.
+
+    Raises:
+        RecordingError: It cannot be read in this way either: what the strict reading says of it.
+    """
+    lines = [line for line in read_lines(path) if line.strip()]
+    states_facts = any(":" in line for line in itertools.takewhile(is_comment, lines))
+    if states_facts or len({line.count(",") for line in lines if not is_comment(line)}) > 1:
+        return read_csv(path)
+    try:
+        return _read_named(path, {}, joint, skip_bad_rows=False, row_rate=None)
+    except RecordingError:
+        return read_csv(path)
 
 
 def is_own(path: Path) -> bool:

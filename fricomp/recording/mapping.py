@@ -92,6 +92,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             for is less by it [SI].
         delay: The value acts or was read so long after its stamp [s]; it is moved there. Not for time.
         spread: Only for time, whose stamps are held over several rows: the rows between are spread evenly.
+        steps: Only for time, whose column holds the time since the row before: it is added up.
         from_zero: Subtract the first value.
         unwrap: Period at which the value jumps back [SI]; jumps of more than half are undone.
         plus: Another channel to add.
@@ -112,6 +113,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     signed_range: _Positive | None = None
     delay: float = 0.0
     spread: bool = False
+    steps: bool = False
     from_zero: bool = False
     unwrap: _Positive | None = None
     plus: str | None = None

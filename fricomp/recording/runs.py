@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
 
-__all__ = ["integrate", "order_runs"]
+__all__ = ["integrate", "order_runs", "sort_rows"]
 
 Samples = NDArray[np.float64]
 
@@ -21,8 +21,34 @@ _RANGES = (
 """After how long times of day and counters of 16 to 32 bits begin anew [s]."""
 _FEW = 5.0
 """Usual steps within which the first stamp after that follows the last one before."""
+_LATE = 20.0
+"""Usual steps by which a row may come after its turn; a clock that starts again falls by more."""
 _BETWEEN = 1.0
 """Time that is put between two runs [s]: a gap, at which whatever reads the recording cuts it."""
+
+
+def sort_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """The channels with their rows in the order of their stamps where the motion is smoother so, and a note.
+
+    A network may deliver a row after its turn: then its stamp is right, and its place is not. Where a clock jitters it
+    is the other way round, and sorted by their stamps the positions would go to and fro.
+
+    Args:
+        channels: As for `order_runs`.
+    """
+    time, moved = channels["time"], channels.get("position", channels.get("velocity"))
+    step = np.diff(time)
+    if moved is None or moved.size != time.size or not np.any(step < 0.0):
+        return dict(channels), ()
+    usual = float(np.median(np.abs(step)))
+    order = np.argsort(time, kind="stable")
+    paths = [float(np.sum(np.abs(np.diff(one)))) for one in (moved[order], moved)]
+    if np.min(step) < -_LATE * usual or not paths[0] < paths[1]:  # NaN is never less
+        return dict(channels), ()
+    count = int(np.count_nonzero(step < 0.0))
+    message = f"{count} row(s) came after their turn, and were put in the order of their stamps"
+    sorted_rows = {name: values[order] for name, values in channels.items()}
+    return sorted_rows, (Finding("late_rows", "note", message, "nothing to do", column="time"),)
 
 
 def order_runs(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from fricomp.recording.checks.folded_torque import find_folded_torque
 from fricomp.recording.checks.motion_kind import (
     find_hand_motion,
     find_held_output,
@@ -56,6 +57,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_motor_side,
     find_wrong_temperature,
     find_unsigned_torque,
+    find_folded_torque,
 )
 _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other things to them
     find_degrees,

@@ -38,10 +38,15 @@ class Reading(NamedTuple):
     width: float
 
 
-def measure_quantum(values: Samples) -> float:
-    """The step that the distances between the values of a channel are multiples of; 0 where none shows."""
+def measure_quantum(values: Samples, most_levels: float = _MOST_LEVELS) -> float:
+    """The step that the distances between the values of a channel are multiples of; 0 where none shows.
+
+    Args:
+        values: Shape (n_rows,).
+        most_levels: Different values over rows, above which it is not looked for.
+    """
     levels = np.unique(values)
-    if levels.size < 2 or levels.size > _MOST_LEVELS * values.size:
+    if levels.size < 2 or levels.size > most_levels * values.size:
         return 0.0
     gaps = np.diff(levels)
     gaps = gaps[gaps > 1e-9 * max(float(np.abs(levels).max()), 1e-300)]

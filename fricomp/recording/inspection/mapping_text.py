@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from fricomp.recording.named.choice import INTEGRAL
-from fricomp.recording.named.clock import NANOSECONDS
+from fricomp.recording.named.clock import NANOSECONDS, says_steps
 from fricomp.recording.named.log import NamedLog
 from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
@@ -40,6 +40,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     stamps, meaning = next(iter(joints.values()))["time"]
     seconds, *rest = stamps.split(NANOSECONDS)
     parts = [f"nanoseconds = {render_column(one, layout)}" for one in rest]
+    parts += ["steps = true"] if says_steps(seconds) else []
     lines += ["", "[channels]", _rule("time", seconds, meaning.unit, layout, *parts, "from_zero = true")]
     for name, columns in joints.items():
         table = "" if len(joints) == 1 else "channels."

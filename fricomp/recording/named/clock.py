@@ -16,7 +16,7 @@ from fricomp.recording.validity import Samples
 from .choice import list_names
 from .column import read_column_name
 
-__all__ = ["NANOSECONDS", "RowTimes", "find_stamps", "read_times"]
+__all__ = ["NANOSECONDS", "RowTimes", "find_stamps", "read_times", "says_steps"]
 
 _UNIT = r"(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
@@ -28,6 +28,12 @@ _TIME = re.compile(
     rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$",
     re.IGNORECASE,
 )
+_STEPS = re.compile(
+    r"^(.*[/_. ])?(d_?t|[δΔ∆]_?t|delta[_ ]?(t|time)|time[_ ]?(delta|step|diff)|t_?step)"
+    rf"[_\s\[(]*({_UNIT[1:-1]})?[\])]?$",
+    re.IGNORECASE,
+)
+"""Names of a time since the row before."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _SAID = re.compile(rf"(?<![a-z]){_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "msecs": "ms", "milliseconds": "ms", "µs": "us"}
@@ -37,6 +43,11 @@ _PARTS = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
 """What the rest of a stamp is called, in whose name that of its seconds is changed."""
 _TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 """Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
+
+_EPOCHS = ((1e9, "s"), (1e12, "ms"), (1e15, "us"), (1e18, "ns"))
+"""Least stamp since 1970, from September 2001 on, and its unit; the largest is four times that."""
+_HELD = 0.2
+"""Part of the rows with the stamp of the one before, from which on a clock is coarse: rows are more than its steps."""
 
 _MOSTLY = 0.05
 """Part of the rows whose time must come later for a column to be one; stamps of a coarse clock are held for many."""
@@ -65,9 +76,14 @@ class RowTimes(NamedTuple):
 def find_stamps(columns: Iterable[str]) -> list[str]:
     """Names of columns that are called as times, the plainest first; where none is, of those in a unit of time."""
     names = list(columns)
-    called = [name for name in names if _TIME.match(name)]
+    called = [name for name in names if _TIME.match(name) and not says_steps(name)]
     called = called or [name for name in names if _TIME_UNIT.search(name) and read_column_name(name) is None]
     return sorted(called, key=lambda name: (len(name), name))
+
+
+def says_steps(name: str) -> bool:
+    """Whether a column is called as the time since the row before: `dt`, `delta_t_us`."""
+    return _STEPS.match(name) is not None
 
 
 def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
@@ -82,6 +98,10 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     """
     names = _prefer_even(columns, sorted(find_stamps(columns), key=lambda name: not _rises(columns[name])))
     if not names:
+        steps = next((name for name in columns if says_steps(name) and np.all(columns[name] >= 0.0)), "")
+        if steps:
+            unit = _read_unit(steps) or _guess_unit(np.cumsum(columns[steps]))
+            return RowTimes(steps, unit, np.cumsum(columns[steps]) * find_unit(unit).factor)
         split = _find_split_stamp(columns)
         if split is not None:
             seconds, rest = columns[split[0]], columns[split[1]]
@@ -99,11 +119,19 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
             f"{path}: the column {names[0]!r} holds no times that are read: write seconds, or dates such as "
             "2026-03-05T10:11:12.345"
         )
-    said = _read_unit(names[0])
-    steps = np.abs(np.diff(finite))
-    step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
-    unit = said or ("d" if _are_days(finite, step) else next(one for most, one in _TIME_UNITS if step <= most))
+    unit = _read_unit(names[0]) or _guess_unit(finite)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _guess_unit(stamps: Samples) -> str:
+    """The unit of stamps whose name states none: by the day that they are, or by their steps. Shape (n,)."""
+    steps = np.abs(np.diff(stamps))
+    usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
+    step = float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
+    for least, one in _EPOCHS:
+        if least <= stamps[0] and stamps[-1] <= 4.0 * least and step * find_unit(one).factor <= _TIME_UNITS[0][0]:
+            return one
+    return "d" if _are_days(stamps, step) else next(one for most, one in _TIME_UNITS if step <= most)
 
 
 def _are_days(stamps: Samples, step: float) -> bool:

@@ -60,7 +60,7 @@ _QUANTITIES = {
     ),
     "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc", "beschleunigung"),
     "torque": (
-        *("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "torq", "tq", "tor", "force"),
+        *("tau", "torque", "torques", "effort", "efforts", "eff", "moment", "trq", "torq", "tq", "tor", "force"),
         *("drehmoment", "moment", "kraft", "couple", "coppia", "koppel", "vridmoment", "pwm", "duty"),
         *("力矩", "扭矩", "转矩", "トルク"),
     ),

@@ -13,7 +13,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.recording import CHANNELS, Recording
-from fricomp.recording.runs import integrate, order_runs
+from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
@@ -189,9 +189,10 @@ def _build(
     for channel in [one for one in own if one not in table and own[one][0] != INTEGRAL]:
         del own[channel]
     table, twins = drop_twins(table)
+    table, late = sort_rows(table)
     table, findings = order_runs(table)
     usable, left_out = drop_bad_rows(table)
-    findings += twins + left_out
+    findings += twins + late + left_out
     if own["position"][0] == INTEGRAL:
         usable["position"] = integrate(usable["velocity"], usable["time"])
     if usable["time"].size < 2:

@@ -180,10 +180,22 @@ def _read_text(path: Path) -> dict[str, Samples]:
     for k, name in enumerate(names):
         cells = [row[k] if k < len(row) else "" for row in rows]
         found = _read_cells(name, cells, layout.decimal)
+        if any(one in columns and not np.array_equal(columns[one], new, equal_nan=True) for one, new in found.items()):
+            _refuse_twice(path, name)
+            continue
         columns.update(found)
         if not any(np.isfinite(values).any() for values in found.values()):
             words[name] = cells
     return separate_long_rows(columns, words)
+
+
+def _refuse_twice(path: Path, name: str) -> None:
+    """Refuse a name of two columns that differ, where it says that they are a quantity."""
+    if read_column_name(name) is not None:
+        raise RecordingError(
+            f"{path}: column {name!r} appears twice, with other numbers: give each a name of its own, or say by "
+            "--mapping which is which, with their numbers from 1"
+        )
 
 
 def _read_large_text(path: Path) -> dict[str, Samples] | None:

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.folded_torque import find_fold, unfold
 from fricomp.recording.checks.quantum import TURN_IN_DEGREES
 from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
 from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
@@ -109,6 +110,13 @@ def find_usable_parts(recording: Recording) -> UsableParts:
         changes.append(
             f"Torque: a signed number of {register.bits} bits that was read as an unsigned one; it was read as signed "
             f"(signed_range = {register.span:.6g} [{unit}] in a mapping does it for good)."
+        )
+    span = find_fold(whole)
+    if span is not None:
+        whole = whole.with_channels(torque=unfold(np.asarray(whole.torque), span))
+        changes.append(
+            f"Torque: it is larger than its register holds, and was unfolded by {span:.6g} "
+            f"{whole.metadata.torque_unit} (unwrap = {span:.6g} in a mapping does it for good)."
         )
     followed = follow_motion(whole)
     left_out = [_tell("rows of another publisher or outliers of position", whole, ~followed.keep)]

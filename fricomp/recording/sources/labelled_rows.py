@@ -1,17 +1,29 @@
-"""Rows that label each number, as a microcontroller prints them: `t=0.001 q=0.12`, `ms:1,pos:0.12`, `{"t": 0.1, …}`."""
+"""Rows that label each number, as serial ports print them: `t=0.001 q=0.12`, `ms:1,pos:0.12 rad`, `{"t": 0.1, …}`."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
+
+from fricomp.recording.unit_word import read_unit
+
+from .text_layout import parse_number
 
 __all__ = ["tabulate_labelled"]
 
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_LETTER = "A-Za-zµ°%·/²^*"
 _LABELLED = re.compile(
-    r"""["']?([A-Za-z_][\w./]*(?:\s?[\[(][^\])]*[\])])?)["']?\s*[:=]\s*"""
-    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|nan)(?![\w.:])",
+    rf"""["']?([A-Za-z_][\w./]*(?:\s?[\[(][^\])]*[\])])?)["']?\s*[:=]\s*({_NUMBER}|nan)"""
+    rf"""(?:i\b)?(?:\s?((?!x[\da-f])[{_LETTER}]+2?)(?!["'\w.]*\s*[:=]))?(?![\w.:])""",
     re.IGNORECASE,
 )
+"""A name, its number, which InfluxDB ends by `i` where it is whole, and a word behind it that may be its unit."""
+_STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
+_FIRST, _LAST = re.compile(rf"^\s*[\[(]?\s*({_STAMP})\s*[\])]?(?=[\s:;,]|$)"), re.compile(r"(?<=\s)(\d+(?:\.\d+)?)\s*$")
+"""A number without a label at an end of the line: when it was written."""
+_STAMPS = "log time"
 _FEWEST = 2
 """Labelled numbers in a row: lines of a header have one each."""
 _FIRST_LINES = 200
@@ -20,7 +32,8 @@ _FIRST_LINES = 200
 def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[str] | None:
     """The lines of a table with the labels as its names; None where most lines have no labels.
 
-    Lines without labels, such as those of a boot, are left out, and so is the last one where it was cut off.
+    Lines without labels, such as those of a boot, are left out, and so is the last one where it was cut off. A unit
+    behind a number goes into the name, and numbers without a label that rise along the lines are the time.
 
     Args:
         lines: Of a text.
@@ -29,7 +42,28 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
     labels = [len(_LABELLED.findall(line)) for line in lines[:_FIRST_LINES]]
     if sum(count >= _FEWEST for count in labels) < 0.5 * len(labels):
         return None
-    rows = [dict(found) for line in (lines if is_whole else lines[:-1]) if len(found := _LABELLED.findall(line)) > 1]
+    labelled = [(line, _LABELLED.findall(line)) for line in (lines if is_whole else lines[:-1])]
+    labelled = [(line, found) for line, found in labelled if len(found) >= _FEWEST]
+    rows = [{_name_with_unit(label, unit): number for label, number, unit in found} for _, found in labelled]
+    stamps = _read_stamps([line for line, _ in labelled])
+    rows = [row | {_STAMPS: stamp} for row, stamp in zip(rows, stamps, strict=True)] if stamps else rows
     names = list(dict.fromkeys(name for row in rows for name in row))
     header = ",".join(f'"{name}"' if "," in name else name for name in names)
     return [header, *(",".join(row.get(name, "") for name in names) for row in rows)]
+
+
+def _name_with_unit(label: str, unit: str) -> str:
+    return f"{label} [{unit}]" if unit and (unit == "%" or read_unit(unit)) else label
+
+
+def _read_stamps(lines: Sequence[str]) -> list[str]:
+    """The number without a label of each line, where all have one and they rise; empty where they do not."""
+    for where in (_FIRST, _LAST):
+        found = [where.search(line) for line in lines]
+        stamps = [match.group(1).replace(",", ".") for match in found if match is not None]
+        if len(stamps) < len(lines):
+            continue
+        numbers = [parse_number(stamp, ".") for stamp in stamps]
+        if numbers and numbers[-1] > numbers[0] and all(a <= b for a, b in pairwise(numbers)):
+            return stamps
+    return []

@@ -40,10 +40,15 @@ _SUFFIXES: dict[str, Format] = {
     ".bag": "rosbag2",
     ".parquet": "parquet",
     ".pq": "parquet",
+    ".feather": "parquet",
+    ".arrow": "parquet",
+    ".ipc": "parquet",
 }
 _ELSEWHERE = {
     ".xlsx": "a spreadsheet", ".xls": "a spreadsheet", ".ods": "a spreadsheet", ".h5": "HDF5", ".hdf5": "HDF5",
-    ".feather": "a data frame", ".pkl": "a pickle, which runs code", ".pickle": "a pickle, which runs code",
+    ".db": "a data base", ".sqlite": "a data base", ".sqlite3": "a data base",
+    ".blf": "frames of a bus", ".trc": "frames of a bus",
+    ".pkl": "a pickle, which runs code", ".pickle": "a pickle, which runs code",
     ".tdms": "a LabVIEW TDMS", ".ulg": "a PX4 log", ".mf4": "a measurement of a vehicle", ".fig": "a figure",
 }  # fmt: skip
 """Formats that the program which writes them saves as CSV as well."""

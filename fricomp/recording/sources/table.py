@@ -1,4 +1,4 @@
-"""Parquet tables of other programs, such as episodes of LeRobot: columns of numbers, and of lists of numbers."""
+"""Tables of other programs in Parquet, Feather or Arrow: columns of numbers, of lists of numbers, and structures."""
 
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,8 @@ from fricomp.recording.validity import Samples
 from fricomp.untrusted import parse_json
 
 _INFO = Path("meta") / "info.json"
+_ARROW = (".feather", ".arrow", ".ipc")
+"""Suffixes of the same tables as Arrow keeps them."""
 _INDEX = "__index_level_"
 """How pandas calls an index without a name."""
 _PARTS_OF_A_SECOND = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -35,10 +37,10 @@ def read_table(path: Path, source: Source) -> Columns:
     except ImportError as error:
         raise MissingExtraError("pyarrow", "parquet") from error
     try:
-        table = parquet.read_table(path)
+        table = _flatten(_read_arrow(path) if path.suffix.lower() in _ARROW else parquet.read_table(path))
         names = table.column_names
     except (pyarrow.ArrowException, UnicodeDecodeError) as error:
-        raise RecordingError(f"{path} is no Parquet file: {error}") from error
+        raise RecordingError(f"{path} is no table of Parquet or Arrow: {error}") from error
     named = _entry_names(path)
     columns: Columns = {}
     for name in names:
@@ -48,6 +50,22 @@ def read_table(path: Path, source: Source) -> Columns:
         else:
             columns.update(_columns_of(name, column.to_pylist(), named.get(name, [])))
     return columns
+
+
+def _read_arrow(path: Path) -> Any:
+    """The table of a file of Arrow or Feather."""
+    from pyarrow import feather
+
+    return feather.read_table(path)
+
+
+def _flatten(table: Any) -> Any:
+    """The table with a column for each field of a structure, `column.field`."""
+    from pyarrow import types
+
+    while any(types.is_struct(field.type) for field in table.schema):
+        table = table.flatten()
+    return table
 
 
 def _read_stamps(column: Any) -> Samples | None:

@@ -72,10 +72,11 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     try:
-        has_layout = find_layout(lines[:FIRST_LINES]) is not None
+        layout = find_layout(lines[:FIRST_LINES])
     except csv.Error:
         return lines  # whose reader says what is wrong with it
-    return (None if has_layout else tabulate_labelled(lines, is_whole=is_whole)) or lines
+    is_table = layout is not None and bool(layout.names)
+    return (None if is_table else tabulate_labelled(lines, is_whole=is_whole)) or lines
 
 
 def cut_rows(path: Path, lines: Sequence[str], delimiter: str, first: int) -> list[tuple[int, list[str]]]:

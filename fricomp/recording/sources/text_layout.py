@@ -26,6 +26,8 @@ _DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
 _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _SPAN = re.compile(r"(-?\d+) days?,? \+?(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
+_RULE = re.compile(r"[-=_+|:*~#\s,;]+")
+"""A line that is drawn between names and rows."""
 _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
     "sec",
     "°",
@@ -173,7 +175,7 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     first = row
     for at in range(row - 1, -1, -1):
         line = lines[at].strip()
-        if not line:
+        if not line or _RULE.fullmatch(line):
             continue
         cells = split_cells(line.lstrip("#%/ ") if is_comment(line) else line, mark)
         if not _fits(cells, width):
@@ -225,7 +227,7 @@ def _is_entry(cell: str) -> bool:
 
 
 def parse_number(cell: str, decimal: str) -> float:
-    """A number, also with a decimal comma or with commas between thousands.
+    """A number, also with a decimal comma or with commas between thousands, or in hexadecimal digits behind `0x`.
 
     Of a date and time by ISO 8601, with the day first and dots between, or with slashes (the month first, where that
     can be), it is the seconds since 1970; of a time of day those since midnight [s]; of `0 days 00:00:01.5` its length.
@@ -237,7 +239,7 @@ def parse_number(cell: str, decimal: str) -> float:
     if "," in text:
         text = _without_commas(text, decimal)
     try:
-        return float(text)
+        return float(int(text, 16)) if text[:2] in ("0x", "0X") else float(text)
     except ValueError:
         return _parse_stamp(text)
 
