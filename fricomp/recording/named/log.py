@@ -29,6 +29,8 @@ __all__ = ["NamedLog", "are_counts", "is_native", "read_named_log", "separate_jo
 
 _GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
+_FOLLOWS = 0.9
+"""Part of the power of a motor's velocity that follows the joint's position, from which on its gear is told by them."""
 _FEWEST_COUNTS = 10
 """Different whole numbers from which on no chance makes all of them so."""
 _REFERENCES = ("position_reference", "velocity_reference", "torque_command")
@@ -127,7 +129,12 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         own = chosen[joint]
         recording, found = _build(path, time, columns, own)
         notes += [f"{path.name}, {recording.metadata.joint}: {finding.message}." for finding in found]
-        notes += _say_gear(path, recording, own)
+        ratio = _find_gear(recording, own)
+        notes += _say_gear(path, ratio, own)
+        if abs(ratio) > _GEARED and recording.motor_position is None:
+            kept = {name: values for name, values in recording.channels.items() if name != "velocity"}
+            recording = Recording.from_channels(kept, recording.metadata)
+            notes.append(f"{path.name}: {own.pop('velocity')[0]!r} is that of the motor, and was left out.")
         findings += found
         recordings.append(recording)
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
@@ -293,19 +300,32 @@ def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
     }
 
 
-def _say_gear(path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
-    """What to write where a torque that is called the motor's may be that before a gear which both encoders show."""
-    column = own["torque"][0]
-    travel = float(np.ptp(recording.position))
-    if recording.motor_position is None or travel == 0.0 or not re.search("motor|rotor", column, re.IGNORECASE):
-        return []
-    ratio = float(np.polyfit(recording.position, recording.motor_position, 1)[0])
-    if abs(ratio) < _GEARED:
+def _find_gear(recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> float:
+    """Turns of the motor a turn of the joint, by its own encoder or the velocity that is called its; 1 without both."""
+    if np.ptp(recording.position) == 0.0:
+        return 1.0
+    if recording.motor_position is not None:
+        return float(np.polyfit(recording.position, recording.motor_position, 1)[0])
+    if recording.velocity is None or not _is_of_motor("velocity", own) or _is_of_motor("position", own):
+        return 1.0
+    rate = np.gradient(recording.position, recording.time)
+    if np.corrcoef(rate, recording.velocity)[0, 1] ** 2 < _FOLLOWS:
+        return 1.0
+    return float(np.polyfit(rate, recording.velocity, 1)[0])
+
+
+def _is_of_motor(channel: str, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
+    return re.search("motor|rotor", own[channel][0], re.IGNORECASE) is not None
+
+
+def _say_gear(path: Path, ratio: float, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
+    """What to write where a torque that is called the motor's may be that before a gear which its motion shows."""
+    if abs(ratio) < _GEARED or not _is_of_motor("torque", own):
         return []
     return [
-        f"{path.name}: the motor moves {ratio:.4g} times as far as the joint, and {column!r} is called its torque: "
-        f'where that is before the gear, write torque_side = "motor" and gear_ratio = {ratio:.4g} under [metadata] of '
-        "a mapping."
+        f"{path.name}: the motor moves {ratio:.4g} times as far as the joint, and {own['torque'][0]!r} is called its "
+        f'torque: where that is before the gear, write torque_side = "motor" and gear_ratio = {ratio:.4g} under '
+        "[metadata] of a mapping."
     ]
 
 

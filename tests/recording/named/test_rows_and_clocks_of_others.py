@@ -162,3 +162,15 @@ def test_what_is_not_read_is_called_by_its_name(suffix: str, tmp_path: Path) -> 
     path.write_bytes(b"SQLite format 3\0\0")
     with pytest.raises(RecordingError, match=r"which is not read here: save it as CSV or Parquet"):
         read_content(path)
+
+
+@pytest.mark.parametrize("ratio", [51.0, -120.0])
+def test_a_motor_speed_beside_a_joint_angle_tells_the_gear(ratio: float, tmp_path: Path) -> None:
+    speed = ratio * np.gradient(POSITION, TIME) * 30.0 / np.pi
+    rows = rows_of(TIME, POSITION, speed, TORQUE / abs(ratio))
+    path = write(tmp_path / "log.csv", "t,joint angle [rad],motor speed [rpm],motor torque [Nm]", *rows)
+    content = read_content(path)
+    told = " ".join(one.message for one in content.findings)
+    assert "'motor speed [rpm]' is that of the motor, and was left out" in told
+    assert float(told.split("gear_ratio = ")[1].split()[0]) == pytest.approx(ratio, rel=0.01)
+    assert content.recording.velocity is None
