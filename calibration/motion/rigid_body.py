@@ -22,7 +22,7 @@ from ..identification.doubt import refuse_impossible, with_covariance, with_open
 from ..identification.estimation.correlated_fit import CorrelatedFit, solve_correlated
 from ..identification.estimation.form import separable_law
 from .joint_samples import FEWEST_SLIDING, JointSamples, RegressionSettings
-from .torque_lag import TorqueLag, estimate_lag
+from .torque_lag import NOISE_KNOWN, TorqueLag, estimate_lag
 from .verdict import weigh_rivals, with_lag_note, with_offset_note
 
 __all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion"]
@@ -44,6 +44,9 @@ _REACH = 25
 """Samples over which errors go together: five periods of the low-pass's cutoff, over which its answer has died out."""
 _REFINEMENTS = 3
 """Times that friction and rigid body are refined; a third one moved parameters by less than a standard deviation."""
+_MOST_SHRUNK = 0.9
+"""Part by which noise may have shrunk an inertia, and it is still corrected; beyond, its deviation says that nothing is
+known of it."""
 _LAG_STEPS = 6
 """Times that the lag of the torque is taken off anew, at most; two or three are enough for 20 ms."""
 _LAG_SETTLED = 0.1
@@ -234,7 +237,11 @@ class _SlidingFit:
         self, found: IdentificationResult, more: FloatArray | None = None, reach: int = _REACH
     ) -> CorrelatedFit:
         """Rigid body, small changes of friction and `more` fitted at once; more at the end. Shape (n, n_more)."""
-        return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach)
+        fit = _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach)
+        if more is not None:
+            return fit
+        columns = np.hstack([self.columns, _slopes(found)])
+        return _undo_shrinking(fit, columns, self.samples.recorded.acceleration_noise)
 
 
 def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0, *, bends: bool) -> _Rows:
@@ -303,6 +310,7 @@ def _fit_sliding(
         mixed = filtered - np.asarray(found.model.torque(samples.velocity))
         left = (samples.torque - filtered)[rows] - (rigid.offset if bidirectional else 0.0)
         together = _fit_together(columns, left, found, np.flatnonzero(rows))
+        together = _undo_shrinking(together, np.hstack([columns, _slopes(found)]), samples.recorded.acceleration_noise)
         rigid = _with_body(rigid, together, settings.gravity, has_offset=has_offset)
     slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
     measured = np.gradient(samples.torque, samples.recorded.time)[rows]
@@ -364,6 +372,31 @@ def _fit_together(
     """
     columns = [body, _slopes(found)] if more is None else [body, _slopes(found), more]
     return solve_correlated(np.hstack(columns), left, at, reach)
+
+
+def _undo_shrinking(fit: CorrelatedFit, columns: FloatArray, noise: float) -> CorrelatedFit:
+    """The fit without the part by which noise in the acceleration, its first column, shrinks the inertia.
+
+    That is the noise's share of what the other columns leave of the acceleration [fuller1987measurement], and they take
+    over what the inertia loses. As the noise is known to a part only, so is the correction.
+
+    Args:
+        fit: Of these columns.
+        columns: Shape (n, n_fit).
+        noise: Standard deviation of the acceleration's noise [rad/s²] or [m/s²].
+    """
+    others = columns[:, 1:] / np.maximum(np.linalg.norm(columns[:, 1:], axis=0), 1e-300)
+    held = np.linalg.lstsq(others, columns[:, 0], rcond=None)[0]
+    alone = float(np.sum((columns[:, 0] - others @ held) ** 2))
+    share = min(len(columns) * noise**2 / max(alone, 1e-300), _MOST_SHRUNK)
+    along = np.concatenate([[1.0], -held / np.maximum(np.linalg.norm(columns[:, 1:], axis=0), 1e-300)])
+    moved = share / (1.0 - share)
+    back = np.eye(len(along))
+    back[:, 0] += moved * along
+    doubt = NOISE_KNOWN * moved * float(fit.solution[0]) * along
+    return fit._replace(
+        solution=back @ fit.solution, covariance=back @ fit.covariance @ back.T + np.outer(doubt, doubt)
+    )
 
 
 def _slopes(found: IdentificationResult) -> FloatArray:

@@ -19,7 +19,7 @@ from fricomp.laws import FloatArray
 from ..identification.estimation.correlated_fit import solve_correlated
 from .joint_samples import RecordedMotion
 
-__all__ = ["UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
+__all__ = ["NOISE_KNOWN", "UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
 
 _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
@@ -28,6 +28,8 @@ UNKNOWN_LAG = 0.004
 measured torque some 3 ms late, and as much makes a commanded one early."""
 _UNKNOWN_PERIODS = 0.5
 """The same in periods of a slow recording: its readings come one after the other, and are held until the next."""
+NOISE_KNOWN = 0.5
+"""Relative standard deviation of the power of a position's noise: an encoder's steps are white on the mean only."""
 _LEAST = 1e-5
 """Least standard deviation of the lag [s]: time stamps jitter by more, also where nothing is known of their clock."""
 _VAGUE = 0.5
@@ -112,6 +114,9 @@ def estimate_lag(
 ) -> TorqueLag:
     """The lag by one Gauss-Newton step, weighed with what is known of it before.
 
+    Noise of the acceleration, the first column, is in both: what is left of the torque goes together with the slope by
+    the inertia times that noise, as if the torque came early. It is known, and taken off.
+
     Args:
         taken_off: Lag that the samples were rid of [s].
         columns: What rigid body and small changes of friction multiply, at the samples that slide. Shape (n, n_fit).
@@ -132,7 +137,8 @@ def estimate_lag(
     measured = targets[1][chosen]
     smooth = _smooth_within(inner, measured, width) if width >= _LEAST_SMOOTH else measured
     shown = (targets[0][chosen], smooth, targets[2][chosen])
-    slope, instrument, left = (solve_correlated(columns[chosen], target, at, 1).error for target in shown)
+    fits = [solve_correlated(columns[chosen], target, at, 1) for target in shown]
+    slope, instrument, left = (fit.error for fit in fits)
     if slope @ slope <= _COLLINEAR * np.sum(targets[0][chosen] ** 2):
         return unknown
     common = float(instrument @ slope)
@@ -140,9 +146,11 @@ def estimate_lag(
         return unknown
     found = solve_correlated(instrument[:, None], -left, at, reach)
     size = float(instrument @ instrument) / common
-    variance = size**2 * float(found.covariance[0, 0])
+    noise = len(at) * recorded.acceleration_noise**2
+    pulled = float(fits[1].solution[0] * fits[2].solution[0]) * noise / common
+    variance = size**2 * float(found.covariance[0, 0]) + (NOISE_KNOWN * pulled) ** 2
     weight = before**2 / (before**2 + variance)
-    value = weight * (taken_off + size * float(found.solution[0]))
+    value = weight * (taken_off + size * float(found.solution[0]) + pulled)
     least = max(_LEAST, recorded.clock_error)
     return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), least)), taken_off, shift, before)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from fricomp.calibration import IdentificationOptions
 from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.doubt import doubted
@@ -27,6 +29,12 @@ _AS_GOOD, _NEARLY = 1.02, 1.1
 """What a plainer law may leave over what the usual one leaves, whose four or six parameters more fit noise as well; and
 up to which it may where the gain of these is less than what so many parameters must bring by chance."""
 
+_LITTLE = 0.02
+"""What a plain law may leave of the friction where no other one is determined: less than most torques are known to."""
+_DETERMINED = (Status.CONVERGED, Status.LACK_OF_FIT)
+"""Where the usual law is taken as it is. A second basin that is nearly as likely is most often a bend the wrong way in
+one direction, with a static torque far off."""
+
 
 def identify_with_law(
     samples: JointSamples,
@@ -45,7 +53,7 @@ def identify_with_law(
     if one_way and not law:
         return _identify_one_way(samples, settings, options)
     found = identify_motion(samples, settings, law=law or USUAL_LAW, options=options)
-    if law or find_doubt_in_status(found.friction.status, "") is None:
+    if law or found.friction.status in _DETERMINED:
         return found, []
     laws = (_PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW)
     fits = {law: _fit_usable(samples, settings, law, options) for law in laws}
@@ -55,7 +63,16 @@ def identify_with_law(
             name = next(law for law, fit in fits.items() if fit is plainer)
             why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
             return plainer, [f"Law: {name}, which leaves no more of the torque than {USUAL_LAW}, of which {why}."]
+    if plain is not None and find_doubt_in_status(found.friction.status, "") is not None and _is_close(plain):
+        slowest = float(np.min(np.abs(plain.points[:, 0])))
+        note = f"Law: {_PLAIN_LAW}, which is close above a speed of {slowest:.3g}; friction bends below, by how much "
+        return plain, [f"{note}is not seen: record more time at low speed where it matters there."]
     return found, []
+
+
+def _is_close(plain: MotionIdentification) -> bool:
+    """Whether what a law leaves is little beside the friction."""
+    return plain.friction.noise.level < _LITTLE * float(np.mean(np.abs(plain.points[:, 1])))
 
 
 def _fit_usable(

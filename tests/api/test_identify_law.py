@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 import fricomp
+from fricomp.api import motion_law
+from fricomp.calibration.identification import Status
+from fricomp.calibration.identification.doubt import doubted
+from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 from fricomp.sim_bench.studies.logs.good_log import COULOMB, VISCOUS, joint_log
@@ -98,3 +105,26 @@ def test_a_motion_in_one_direction_gives_the_sum_of_friction_and_offset() -> Non
     assert not found.is_usable
     assert "record both directions" in found.result.message
     assert found.parameters["coulomb.coulomb_torque"] == pytest.approx(0.5, rel=0.05)
+
+
+@pytest.mark.parametrize(("little", "usable"), [(0.02, True), (1e-6, False)])
+def test_a_plain_law_that_leaves_little_is_taken_where_no_other_is_determined(
+    little: float, usable: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(motion_law, "_is_as_good", lambda *_, **__: False)
+    monkeypatch.setattr(motion_law, "_LITTLE", little)
+    found = fricomp.identify(joint_log(14.0, 160.0, 5))
+    assert found.is_usable is usable
+    assert any(note.startswith("Law: coulomb_viscous, which is close above") for note in found.notes) is usable
+
+
+def test_a_plainer_law_is_tried_where_a_second_basin_is_nearly_as_likely(monkeypatch: pytest.MonkeyPatch) -> None:
+    def suspect(*args: Any, **options: Any) -> MotionIdentification:
+        found = identify_motion(*args, **options)
+        if options["law"] != motion_law.USUAL_LAW:
+            return found
+        return replace(found, friction=doubted(found.friction, Status.WRONG_BASIN_SUSPECTED, "a second basin"))
+
+    monkeypatch.setattr(motion_law, "identify_motion", suspect)
+    found = fricomp.identify(joint_log(14.0, 160.0, 5))
+    assert set(found.parameters) == {"coulomb.coulomb_torque", "viscous.viscous_coefficient"}
