@@ -34,6 +34,7 @@ from .low_rate.answer import diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
 from .samples.second_look import look_into_samples, remove_ripple
 from .search.late_creep import has_late_creep
+from .search.late_noise import remeasure_noise
 from .search.late_torque import measure_late_torque
 from .search.preparation import Baseline, prepare
 from .search.search import SearchResult, search
@@ -329,11 +330,15 @@ def _search(
     """Search for effects; once more with friction that creeps, where a strong effect hid that from the base."""
     _report(progress, "searching for effects")
     found = search(baseline)
-    if not has_late_creep(baseline, found):
+    if has_late_creep(baseline, found):
+        _report(progress, "searching again, with friction that creeps")
+        baseline = base(creeps=True)
+        found = search(baseline)
+    quieter = remeasure_noise(baseline, found, SETTINGS.draws)
+    if quieter is None:
         return baseline, found
-    _report(progress, "searching again, with friction that creeps")
-    baseline = base(creeps=True)
-    return baseline, search(baseline)
+    _report(progress, "searching again, with the noise that is left")
+    return quieter, search(quieter)
 
 
 def _simulate_forward(given: Given, findings: Findings) -> Forward | None:

@@ -132,13 +132,13 @@ class Problem:
         ]
         return replace(self, tracks=tuple(tracks))
 
-    def improve_velocity(self, plant: Plant) -> Problem:
+    def improve_velocity(self, plant: Plant, effects: Sequence[Contribution]) -> Problem:
         """Improve the velocities by simulation: that of the model plus the slope of its slow position error.
 
         Raises:
             FloatingPointError: The plant runs away in simulation.
         """
-        (runs,) = self.observe_all([plant], [[Contribution()] * len(self.tracks)])
+        (runs,) = self.observe_all([plant], [effects])
         if not all(np.isfinite(run.position).all() and np.isfinite(run.velocity).all() for run in runs):
             raise FloatingPointError("a joint that the recording hardly determines runs away in simulation")
         tracks = tuple(

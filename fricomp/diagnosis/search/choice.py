@@ -91,7 +91,8 @@ def _compute_worth(part: Explanation, threshold: float) -> float:
 def _can_complete(baseline: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Tell whether its further effects take away nearly all that is left. An effect that only corrects the form of
     another does not."""
-    clear = _weigh(larger) > _weigh(part) + max(SEARCH.completing_gain * threshold, SEARCH.completing_share * part.gain)
+    least = max(SEARCH.completing_gain * threshold, SEARCH.completing_share * part.certain)
+    clear = _weigh(larger) > _weigh(part) + least
     takes_all = larger.left < SEARCH.completing_left * part.left or _can_silence(baseline, larger, part)
     imitates = _can_imitate(set(larger.names) - set(part.names))
     return clear and larger.coverage > SEARCH.enough and takes_all and not imitates

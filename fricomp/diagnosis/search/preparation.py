@@ -32,7 +32,7 @@ from .order import find_orders
 from .screening import orthonormalise, project_out
 from .settings import SEARCH
 
-__all__ = ["Baseline", "find_top_speed", "prepare"]
+__all__ = ["Baseline", "build_structure", "find_top_speed", "prepare"]
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def prepare(
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    baseline = Baseline(problem, _build_structure(problem, fit, box), fit, box, found, rigid=rigid)
+    baseline = Baseline(problem, build_structure(problem, fit, box), fit, box, found, rigid=rigid)
     return _level_noise(_recolour(baseline))
 
 
@@ -283,13 +283,14 @@ def _compute_typical(values: FloatArray) -> float:
 def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:
     """Improve the velocities once, as in each null, simulate nulls, and fit again with their weights."""
     plant, nothing = unpack(fit.theta), [Contribution()] * len(problem.tracks)
-    problem = replace(problem.cut_samples_for(plant).improve_velocity(plant), weights=None)
+    problem = replace(problem.cut_samples_for(plant).improve_velocity(plant, nothing), weights=None)
     nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
     problem = replace(problem, weights=nulls.weights)
     return fit_base(problem, fit.theta, box), problem, nulls
 
 
-def _build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:
+def build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:
+    """Build the base alone, with its motion and the starts of effects that show in what it leaves."""
     plant = unpack(fit.theta)
     runs = problem.observe_all([plant], [[Contribution()] * len(problem.tracks)])[0]
     contexts = build_contexts(problem, plant, runs, {})

@@ -22,7 +22,8 @@ class SearchSettings:
     completing_gain: float = 3.0
     """Thresholds of gain that an effect must add to complete an explanation."""
     completing_share: float = 0.01
-    """Part of the gain that it must add besides."""
+    """Part of the first ones' evidence that it must add besides, in which no row counts for more than a few: beside an
+    effect that is far louder than the noise, a part of its whole gain would shut out every other."""
     completing_left: float = 0.3
     """Part of what was left that it may leave."""
     loud_part: float = 0.2
@@ -173,6 +174,10 @@ class SearchSettings:
     """Part of the rows that such a place may take. A larger one says nothing about where."""
     first_share: float = 0.4
     """Share of the excess from which the place is told: twice what would lie there by chance."""
+    quieter: float = 0.5
+    """Typical row that the best explanation leaves, in that of the noise, below which the noise is measured anew."""
+    something_left: float = 1.15
+    """What it leaves then, over the noise, from which something else is searched for."""
     coarse_tolerance: float = 1e-5
     """Tolerance from which squares of the columns tell a basis as well as the columns, three times as fast."""
     singles: int = 8

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import cast
+
 import numpy as np
 import pytest
 
 from fricomp.diagnosis.diagnose import diagnose
+from fricomp.diagnosis.effects import EFFECTS, Context
 
 from ..toy_joint import ToyJoint, recording
 
@@ -22,3 +26,13 @@ def test_a_torque_limit_that_the_command_exceeds_is_named_with_its_size() -> Non
     assert found.ci95 is not None
     assert found.ci95[0] < limit < found.ci95[1]
     assert found.value == pytest.approx(limit, rel=0.02)
+
+
+@pytest.mark.parametrize(("limit", "refused"), [(1.4, False), (0.4, True)])
+def test_a_limit_that_most_of_the_recording_exceeds_is_none(limit: float, refused: bool) -> None:
+    """Friction alone asks for more than 0.4 N·m, so any torque would be as good as another."""
+    time = np.arange(0.0, 20.0, 0.01)
+    torque = np.sign(np.cos(time)) + 0.6 * np.sin(7.0 * time)
+    motion = cast(Context, SimpleNamespace(recorded=torque, position=np.sin(time)))
+    why = EFFECTS["torque_saturation"].refuse({"coefficient": 0.0, "limit": limit}, [motion])
+    assert (why is not None and "most of the recording" in why) == refused

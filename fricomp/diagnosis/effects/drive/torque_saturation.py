@@ -58,6 +58,8 @@ class TorqueSaturation(Effect):
         beyond = np.concatenate([_cut_beyond(context, values["limit"]) for context in contexts])
         if not np.any(beyond):
             return None if values["coefficient"] > 0.0 else "the torque would exceed the recorded one"
+        if np.mean(beyond != 0.0) > 1.0 - self.seldom[0]:
+            return "most of the recording would lie beyond the limit, where any torque is as good as another"
         position = np.concatenate([context.position for context in contexts])
         low, high = float(position.min()), float(position.max())
         margin = self.end * (high - low)

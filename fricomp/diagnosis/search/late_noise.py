@@ -1,0 +1,56 @@
+"""The noise, measured anew beside what was found: a ripple of torque had been taken for a part of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects.structure import N_BASE, Structure
+from ..inputs.track import FloatArray
+from ..joint.base_fit import fit_base
+from ..joint.nulls import make_nulls
+from .explanation import Explanation
+from .preparation import Baseline, build_structure
+from .refit import fit_from, rebuild_contexts
+from .search import SearchResult
+from .settings import SEARCH
+
+__all__ = ["remeasure_noise"]
+
+
+def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Baseline | None:
+    """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, or no
+    more than is noise.
+
+    Nulls of the base vary from row to row as the recording does. A torque that is missing and changes within a few
+    rows, such as cogging, makes them as loud as itself, and what else is missing is weighed by that.
+
+    Args:
+        baseline: The base with the nulls that were searched with.
+        found: What the search found.
+        seed: Seed of the nulls' noise.
+    """
+    best = found.best
+    if best is None or _measure_loudness(baseline, best) > SEARCH.quieter:
+        return None
+    structure, theta = Structure(rebuild_contexts(baseline, best), best.settled), best.fit.theta
+    plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
+    problem = replace(baseline.problem.cut_samples_for(plant), weights=None).improve_velocity(plant, effects)
+    nulls = make_nulls(problem, plant, effects, count=baseline.nulls.count, seed=seed)
+    problem = replace(problem, weights=nulls.weights)
+    fit = fit_base(problem, baseline.fit.theta, baseline.box)
+    base = build_structure(problem, fit, baseline.box)
+    quieter = replace(baseline, problem=problem, structure=base, fit=fit, nulls=nulls, recolouring=None)
+    (again,) = fit_from(quieter, [(structure, theta[:N_BASE])], best.box)
+    return quieter if quieter.measure_loudness(again.fit) > SEARCH.something_left else None
+
+
+def _measure_loudness(baseline: Baseline, explanation: Explanation) -> float:
+    """Typical row of sliding that an explanation leaves, over that of the nulls."""
+    nulls = [_compute_typical(null[baseline.sliding]) for null in baseline.null_residuals]
+    return _compute_typical(explanation.fit.residual[baseline.sliding]) / float(np.mean(nulls))
+
+
+def _compute_typical(rows: FloatArray) -> float:
+    return float(np.median(np.abs(rows)))

@@ -1,0 +1,37 @@
+"""The noise beside a ripple: measured where the ripple is known, and left as it was where nothing is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis.joint.loading import build_tracks
+from fricomp.diagnosis.joint.observer import Observer
+from fricomp.diagnosis.search.late_noise import remeasure_noise
+from fricomp.diagnosis.search.preparation import Baseline, prepare
+from fricomp.diagnosis.search.search import search
+
+from ..toy_joint import ToyJoint, recording
+
+_DETENT = (0.9, 50.0)
+
+
+def _prepare(joint: ToyJoint) -> Baseline:
+    tracks = build_tracks([recording(joint, "fourier", 24.0, 5)], [None])
+    return prepare(tracks, observer=Observer(), nulls=12, seed=0)
+
+
+def _measure_noise(baseline: Baseline) -> float:
+    return float(np.median(np.concatenate(baseline.nulls.weights.spread)))
+
+
+@pytest.mark.slow
+def test_noise_beside_a_ripple_is_that_of_the_joint_without_it() -> None:
+    plain = _prepare(ToyJoint(load_coulomb=0.08))
+    rippled = _prepare(ToyJoint(load_coulomb=0.08, cogging=_DETENT))
+    noise = _measure_noise(plain)
+    assert _measure_noise(rippled) > 2.0 * noise
+    quieter = remeasure_noise(rippled, search(rippled), seed=0)
+    assert quieter is not None
+    assert _measure_noise(quieter) == pytest.approx(noise, rel=0.35)
+    assert remeasure_noise(plain, search(plain), seed=0) is None
