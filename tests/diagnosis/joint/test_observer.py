@@ -272,6 +272,6 @@ def test_a_joint_that_runs_away_in_simulation_is_said_to_and_improves_no_velocit
     joint = ToyJoint()
     plant = true_plant(joint)
     problem = build_problem([track_of(joint, "fourier", 3.0)], plant, Observer())
-    assert np.isfinite(problem.improve_velocity(plant).tracks[0].velocity).all()
+    assert np.isfinite(problem.improve_velocity(plant, [Contribution()]).tracks[0].velocity).all()
     with pytest.raises(FloatingPointError, match="runs away"):
-        problem.improve_velocity(replace(plant, inertia=1e-7 * plant.inertia))
+        problem.improve_velocity(replace(plant, inertia=1e-7 * plant.inertia), [Contribution()])
