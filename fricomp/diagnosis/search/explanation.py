@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,7 +180,20 @@ def find_refusal(structure: Structure, fit: Fit, *, bodied: bool = False) -> str
     same = None if bodied else find_identity(values)
     one = None if same is None else f"{same.one} and {same.other} are one torque: {same.equation}"
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
-    return "; ".join(reason for reason in (*reasons, _find_cancelling(structure, values), one) if reason)
+    reasons += [_find_cancelling(structure, values), _find_shared_order(values), one]
+    return "; ".join(reason for reason in reasons if reason)
+
+
+def _find_shared_order(values: Mapping[str, Mapping[str, float]]) -> str | None:
+    """Say why two ripples over position are none: they have one order, and so one cause. A torque and a friction that
+    follow the position together are a detent (`Explanation.common_order`)."""
+    orders = sorted((one["order"], name) for name, one in values.items() if {"order", "sine"} <= set(one))
+    alike = [
+        (low, high)
+        for (small, low), (large, high) in pairwise(orders)
+        if large - small < SEARCH.same_order * large and not (EFFECTS[low].wave and EFFECTS[high].wave)
+    ]
+    return f"{alike[0][0]} and {alike[0][1]} would be two ripples of one order" if alike else None
 
 
 def _find_cancelling(structure: Structure, values: Mapping[str, Mapping[str, float]]) -> str | None:
