@@ -34,6 +34,8 @@ class ToyJoint:
     gains: tuple[float, float] = (900.0, 30.0)
     delay_samples: int = 0
     limit: float = 1e9
+    stop: tuple[float, float, float] = (0.0, 0.0, 1e9)
+    """Stiffness [N·m/rad], damping [N·m·s/rad] and edge [rad] of a stop at the upper end."""
 
 
 @numba.njit(cache=True)
@@ -66,6 +68,8 @@ def _run(ref: FloatArray, vref: FloatArray, aref: FloatArray, p: FloatArray, sub
             fr = s0 * zn + s1 * (zn - z) / h + p[b + 3] * w + p[17] * w * abs(w)
             z = zn
             pull = p[21] * ((x - p[22]) + p[23] * (x - p[22]) ** 3)
+            if x > p[27]:
+                pull += max(p[25] * (x - p[27]) + p[26] * w, 0.0)
             w += h * (tau - load - off - fr - p[15] * np.sin(p[16] * x) - pull) / J
             x += h * w
     return out
@@ -139,6 +143,7 @@ def record(joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: in
             *joint.gains,
             *joint.spring,
             joint.limit,
+            *joint.stop,
         ]
     )
     out = _run(ref, vref, aref, p, 20)

@@ -75,8 +75,9 @@ class EffectParameter:
     searched: bool = False
 
     def is_at_end(self, value: float) -> bool:
-        """Whether a value stands where the search of it ends, in the solver's coordinates."""
-        return (self.linear or self.searched) and self.touches_end(value)
+        """Whether a value stands where the search of it ends, in the solver's coordinates; its null is no such end."""
+        absent = self.null is not None and abs(value - self.null) < EFFECT.at_bound * self.scale
+        return (self.linear or self.searched) and self.touches_end(value) and not absent
 
     def touches_end(self, value: float) -> bool:
         """Whether a value stands where its domain or the search of it ends, in the solver's coordinates."""

@@ -10,18 +10,20 @@ import numpy as np
 from fricomp.laws import EndStop as EndStopTerm
 from fricomp.laws import Term
 
+from ...inputs.track import differentiate
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
 class EndStop(Effect):
-    """tau = k (q - q_max)_+."""
+    """tau = (k (q - q_max) + c v)_+ beyond q_max. A stop dissipates by c, and pushes only."""
 
     name = "end_stop"
     kind = "physics"
-    equation = "tau = k (q - q_max)_+"
+    equation = "tau = max(k (q - q_max) + c v, 0) beyond q_max"
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
@@ -30,6 +32,8 @@ class EndStop(Effect):
     at the ends, where a hard stop is met for a short way only."""
     edge_step: ClassVar[float] = 0.02
     """Change of an edge that matters [rad] or [m]."""
+    usual_time: ClassVar[float] = 0.02
+    """Damping over stiffness that matters [s]."""
     widest: ClassVar[float] = 0.35
     """Largest part of the samples and of the range in which it may act, since a stop is at the end of the range."""
 
@@ -37,6 +41,7 @@ class EndStop(Effect):
         scale = contexts[0].scale
         return (
             EffectParameter("stiffness", "{torque}/{position}", scale),
+            EffectParameter("damping", "{torque}·s/{position}", self.usual_time * scale, 0.0, null=0.0),
             EffectParameter("edge", "{position}", self.edge_step, linear=False),
             EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
         )
@@ -50,7 +55,9 @@ class EndStop(Effect):
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         side = values["side"]
         depth = np.maximum(side * (context.position - values["edge"]), 0.0)
-        return Contribution(additive=values["stiffness"] * side * depth)
+        speed = side * differentiate(context.position, context.dt, EFFECT.quick_window)
+        pushed = values["stiffness"] * depth + values["damping"] * speed * (depth > 0.0)
+        return Contribution(additive=side * np.maximum(pushed, 0.0))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["stiffness"] <= 0.0:
@@ -62,7 +69,7 @@ class EndStop(Effect):
         return "it would act over more than a third of the range" if widest > self.widest else None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        return EndStopTerm(values["stiffness"], values["edge"], values["side"])
+        return EndStopTerm(values["stiffness"], values["edge"], values["side"], values["damping"])
 
 
 def _find_range(contexts: Sequence[Context]) -> tuple[float, float]:
