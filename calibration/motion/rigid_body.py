@@ -237,11 +237,8 @@ class _SlidingFit:
         self, found: IdentificationResult, more: FloatArray | None = None, reach: int = _REACH
     ) -> CorrelatedFit:
         """Rigid body, small changes of friction and `more` fitted at once; more at the end. Shape (n, n_more)."""
-        fit = _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach)
-        if more is not None:
-            return fit
-        columns = np.hstack([self.columns, _slopes(found)])
-        return _undo_shrinking(fit, columns, self.samples.recorded.acceleration_noise)
+        noise = self.samples.recorded.acceleration_noise if more is None else 0.0
+        return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach, noise)
 
 
 def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0, *, bends: bool) -> _Rows:
@@ -309,8 +306,8 @@ def _fit_sliding(
         filtered = samples.recorded.filtered_torque(found.model)
         mixed = filtered - np.asarray(found.model.torque(samples.velocity))
         left = (samples.torque - filtered)[rows] - (rigid.offset if bidirectional else 0.0)
-        together = _fit_together(columns, left, found, np.flatnonzero(rows))
-        together = _undo_shrinking(together, np.hstack([columns, _slopes(found)]), samples.recorded.acceleration_noise)
+        noise = samples.recorded.acceleration_noise
+        together = _fit_together(columns, left, found, np.flatnonzero(rows), noise=noise)
         rigid = _with_body(rigid, together, settings.gravity, has_offset=has_offset)
     slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
     measured = np.gradient(samples.torque, samples.recorded.time)[rows]
@@ -356,6 +353,7 @@ def _fit_together(
     at: np.ndarray[tuple[int], np.dtype[np.intp]],
     more: FloatArray | None = None,
     reach: int = _REACH,
+    noise: float = 0.0,
 ) -> CorrelatedFit:
     """Rigid body and small changes of the friction parameters, fitted at once.
 
@@ -369,9 +367,11 @@ def _fit_together(
         at: Position of each sample in time. Shape (n,).
         more: Further columns, which come last. Shape (n, n_more).
         reach: Samples over which errors go together.
+        noise: Standard deviation of the acceleration's noise, whose shrinking is undone [rad/s²] or [m/s²].
     """
-    columns = [body, _slopes(found)] if more is None else [body, _slopes(found), more]
-    return solve_correlated(np.hstack(columns), left, at, reach)
+    columns = np.hstack([body, _slopes(found)] if more is None else [body, _slopes(found), more])
+    fit = solve_correlated(columns, left, at, reach)
+    return _undo_shrinking(fit, columns, noise) if noise > 0.0 else fit
 
 
 def _undo_shrinking(fit: CorrelatedFit, columns: FloatArray, noise: float) -> CorrelatedFit:

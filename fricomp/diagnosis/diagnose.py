@@ -327,7 +327,8 @@ def _check_inertia(given: Given, baseline: Baseline) -> list[str]:
 def _search(
     baseline: Baseline, base: Callable[..., Baseline], progress: Progress | None
 ) -> tuple[Baseline, SearchResult]:
-    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base."""
+    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base, and with
+    the noise that is left beside what was found, where that had passed for noise."""
     _report(progress, "searching for effects")
     found = search(baseline)
     if has_late_creep(baseline, found):

@@ -81,6 +81,11 @@ class Context:
         """Cosine and sine of the position. Shapes (n,)."""
         return np.cos(self.position), np.sin(self.position)
 
+    @cached_property
+    def quick_velocity(self) -> FloatArray:
+        """Velocity of the position, smoothed no longer than a contact lasts [rad/s]. Shape (n,)."""
+        return differentiate(self.position, self.dt, EFFECT.quick_window)
+
     @property
     def stribeck_velocity(self) -> FloatArray:
         """Stribeck velocity of the direction of motion [rad/s]."""

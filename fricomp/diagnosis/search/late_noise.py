@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from ..effects.structure import N_BASE, Structure
-from ..inputs.track import FloatArray
 from ..joint.base_fit import fit_base
-from ..joint.nulls import make_nulls
-from .explanation import Explanation
-from .preparation import Baseline, build_structure
+from .preparation import Baseline, build_structure, weigh_by_nulls
 from .refit import fit_from, rebuild_contexts
 from .search import SearchResult
 from .settings import SEARCH
@@ -32,25 +27,13 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
         seed: Seed of the nulls' noise.
     """
     best = found.best
-    if best is None or _measure_loudness(baseline, best) > SEARCH.quieter:
+    if best is None or baseline.measure_typical_loudness(best.fit) > SEARCH.quieter:
         return None
     structure, theta = Structure(rebuild_contexts(baseline, best), best.settled), best.fit.theta
     plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
-    problem = replace(baseline.problem.cut_samples_for(plant), weights=None).improve_velocity(plant, effects)
-    nulls = make_nulls(problem, plant, effects, count=baseline.nulls.count, seed=seed)
-    problem = replace(problem, weights=nulls.weights)
+    problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
     fit = fit_base(problem, baseline.fit.theta, baseline.box)
     base = build_structure(problem, fit, baseline.box)
     quieter = replace(baseline, problem=problem, structure=base, fit=fit, nulls=nulls, recolouring=None)
     (again,) = fit_from(quieter, [(structure, theta[:N_BASE])], best.box)
     return quieter if quieter.measure_loudness(again.fit) > SEARCH.something_left else None
-
-
-def _measure_loudness(baseline: Baseline, explanation: Explanation) -> float:
-    """Typical row of sliding that an explanation leaves, over that of the nulls."""
-    nulls = [_compute_typical(null[baseline.sliding]) for null in baseline.null_residuals]
-    return _compute_typical(explanation.fit.residual[baseline.sliding]) / float(np.mean(nulls))
-
-
-def _compute_typical(rows: FloatArray) -> float:
-    return float(np.median(np.abs(rows)))

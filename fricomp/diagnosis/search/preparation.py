@@ -20,7 +20,7 @@ from ..inputs.track import FloatArray, Track
 from ..joint.base import BASE_NAMES, BaseModel, unpack
 from ..joint.base_fit import fit_base, fit_creep, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
-from ..joint.observer import Contribution, Observer
+from ..joint.observer import Contribution, Observer, Plant
 from ..joint.problem import Problem, build_problem
 from ..joint.solver import Box, Fit, minimise
 from ..joint.spectrum import estimate_floor, is_structured
@@ -32,7 +32,7 @@ from .order import find_orders
 from .screening import orthonormalise, project_out
 from .settings import SEARCH
 
-__all__ = ["Baseline", "build_structure", "find_top_speed", "prepare"]
+__all__ = ["Baseline", "build_structure", "find_top_speed", "prepare", "weigh_by_nulls"]
 
 
 @dataclass(frozen=True)
@@ -101,6 +101,11 @@ class Baseline:
         """Weighted residual of a fit over that of the nulls."""
         null = np.mean([vector @ vector for vector in self.null_residuals])
         return float(np.sqrt(fit.residual @ fit.residual / null))
+
+    def measure_typical_loudness(self, fit: Fit) -> float:
+        """Typical row of sliding that a fit leaves, over that of the nulls."""
+        nulls = [null[self.sliding] for null in self.null_residuals]
+        return _compute_ratio(fit.residual[self.sliding], nulls, _compute_typical)
 
 
 def prepare(
@@ -281,12 +286,19 @@ def _compute_typical(values: FloatArray) -> float:
 
 
 def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:
-    """Improve the velocities once, as in each null, simulate nulls, and fit again with their weights."""
+    """Fit again with the weights of nulls of this fit."""
     plant, nothing = unpack(fit.theta), [Contribution()] * len(problem.tracks)
-    problem = replace(problem.cut_samples_for(plant).improve_velocity(plant, nothing), weights=None)
-    nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
-    problem = replace(problem, weights=nulls.weights)
+    problem, nulls = weigh_by_nulls(problem, plant, nothing, count, seed)
     return fit_base(problem, fit.theta, box), problem, nulls
+
+
+def weigh_by_nulls(
+    problem: Problem, plant: Plant, effects: Sequence[Contribution], count: int, seed: int
+) -> tuple[Problem, Nulls]:
+    """Improve the velocities once, as in each null, simulate nulls of a plant with effects, weigh rows by them."""
+    problem = replace(problem.cut_samples_for(plant).improve_velocity(plant, effects), weights=None)
+    nulls = make_nulls(problem, plant, effects, count=count, seed=seed)
+    return replace(problem, weights=nulls.weights), nulls
 
 
 def build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:

@@ -17,8 +17,8 @@ from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources import is_text, read_columns
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
-from fricomp.recording.sources.text import FIRST_LINES, as_table, cut_rows, find_encoding, number_or_nan, read_lines
-from fricomp.recording.sources.text_layout import TextLayout, find_layout
+from fricomp.recording.sources.text import as_table, cut_rows, find_encoding, number_or_nan, read_lines
+from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
 from fricomp.recording.sources.topic import Topic
 from fricomp.recording.validity import Samples
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from fricomp.recording.unit_word import read_unit
 
-from .text_layout import parse_number
+from .text_layout import FIRST_LINES, parse_number
 
 __all__ = ["tabulate_labelled"]
 
@@ -26,7 +26,6 @@ _FIRST, _LAST = re.compile(rf"^\s*[\[(]?\s*({_STAMP})\s*[\])]?(?=[\s:;,]|$)"), r
 _STAMPS = "log time"
 _FEWEST = 2
 """Labelled numbers in a row: lines of a header have one each."""
-_FIRST_LINES = 200
 
 
 def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[str] | None:
@@ -39,7 +38,7 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
-    labels = [len(_LABELLED.findall(line)) for line in lines[:_FIRST_LINES]]
+    labels = [len(_LABELLED.findall(line)) for line in lines[:FIRST_LINES]]
     if sum(count >= _FEWEST for count in labels) < 0.5 * len(labels):
         return None
     labelled = [(line, _LABELLED.findall(line)) for line in (lines if is_whole else lines[:-1])]

@@ -12,14 +12,12 @@ from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.labelled_rows import tabulate_labelled
-from fricomp.recording.sources.text_layout import find_layout, is_comment, parse_number, split_cells
+from fricomp.recording.sources.text_layout import FIRST_LINES, find_layout, is_comment, parse_number, split_cells
 from fricomp.untrusted import find_size_limit
 
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _SAMPLE = 2**20
 """Bytes by which an encoding is told."""
-FIRST_LINES = 200
-"""Lines by which it is told how a text is laid out."""
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 

@@ -12,8 +12,10 @@ from datetime import UTC, datetime, time
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import read_unit
 
-__all__ = ["TextLayout", "find_layout", "is_comment", "parse_number", "split_cells"]
+__all__ = ["FIRST_LINES", "TextLayout", "find_layout", "is_comment", "parse_number", "split_cells"]
 
+FIRST_LINES = 200
+"""Lines by which it is told how a text is laid out."""
 _MARKS = (";", "\t", "|", ",", "")
 """What may stand between cells; nothing stands for white space."""
 _COMMENTS = ("#", "%", "//")

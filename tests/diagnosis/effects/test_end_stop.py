@@ -10,13 +10,16 @@ import pytest
 
 from fricomp.diagnosis.diagnose import diagnose
 from fricomp.diagnosis.effects import EFFECTS, Context
+from fricomp.diagnosis.effects.settings import EFFECT
+from fricomp.diagnosis.inputs.track import differentiate
 
 from ..toy_joint import ToyJoint, recording
 
 
 def test_a_damped_stop_pushes_in_and_never_pulls_on_the_way_out() -> None:
     time = np.arange(0.0, 4.0, 1e-3)
-    motion = cast(Context, SimpleNamespace(position=np.sin(3.0 * time), dt=1e-3))
+    velocity = differentiate(np.sin(3.0 * time), 1e-3, EFFECT.quick_window)
+    motion = cast(Context, SimpleNamespace(position=np.sin(3.0 * time), quick_velocity=velocity))
     values = {"stiffness": 5.0, "damping": 4.0, "edge": 0.9, "side": 1.0}
     torque = np.asarray(EFFECTS["end_stop"].compute_contribution(motion, values).additive)
     depth, speed = np.sin(3.0 * time) - 0.9, 3.0 * np.cos(3.0 * time)

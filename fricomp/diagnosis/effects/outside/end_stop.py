@@ -10,11 +10,9 @@ import numpy as np
 from fricomp.laws import EndStop as EndStopTerm
 from fricomp.laws import Term
 
-from ...inputs.track import differentiate
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
-from ..settings import EFFECT
 
 
 @register
@@ -55,8 +53,7 @@ class EndStop(Effect):
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         side = values["side"]
         depth = np.maximum(side * (context.position - values["edge"]), 0.0)
-        speed = side * differentiate(context.position, context.dt, EFFECT.quick_window)
-        pushed = values["stiffness"] * depth + values["damping"] * speed * (depth > 0.0)
+        pushed = values["stiffness"] * depth + values["damping"] * side * context.quick_velocity * (depth > 0.0)
         return Contribution(additive=side * np.maximum(pushed, 0.0))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
