@@ -13,23 +13,26 @@ UNKNOWN_UNIT = "?"
 """Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
 
 _SPELLED = {
-    "deg": "deg degree degrees grad mdeg=mdeg mrad=mrad rad=rad rads=rad radian=rad radians=rad",
+    "deg": "deg degree degrees grad mdeg=mdeg mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
     "turns": "turn turns rev revs revolution revolutions",
-    "m": "m mm=mm cm=cm um=um inch=in in=in",
-    "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s",
-    "rpm": "rpm 1/min u/min rev/min r/min min^-1",
+    "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
+    "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s"
+    " radians·per·second degrees·per·second=deg/s",
+    "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин",
     "turns/s": "turns/s turn/s rev/s rps hz",
-    "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s",
+    "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s м/с мм/с=mm/s",
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
-    "Nm": "nm n·m mnm=mNm mn·m=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm",
+    "Nm": "nm n·m mnm=mNm mn·m=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm н·м нм мн·м=mNm"
+    " newton·meters newton·meter newton·metres",
     "kgf·cm": "kgf·cm kg·cm kgfcm kgcm",
     "in·lbf": "in·lbf in·lb lbf·in lb·in inlbf inlb lbin lbfin",
     "ft·lbf": "ft·lbf ft·lb lbf·ft lb·ft ftlbf ftlb lbft lbfft",
     "oz·in": "oz·in ozf·in in·oz in·ozf ozin ozfin inoz",
-    "N": "n kn=kN lbf=lbf kgf=kgf kip=kip",
-    "A": "a ma=mA amp=A amps=A ampere=A",
+    "N": "n kn=kN lbf=lbf kgf=kgf kip=kip н кн=kN",
+    "A": "a ma=mA amp=A amps=A ampere=A amperes=A arms=A a·rms=A apk=A а ма=mA",
     "V": "v mv=mV volt=V volts=V",
-    "degC": "c degc k=K degf=degF",
+    "degC": "c degc ℃ k=K degf=degF",
+    UNKNOWN_UNIT: "erpm",
 }
 """Name of a unit, and how it is written in small letters; `as=NAME` where that is another one's."""
 _NAMES = {
@@ -74,9 +77,11 @@ _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
-    r"(?<![A-Za-z])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|rpm|1/min|u/min"
+    r"(?<![A-Za-zА-я])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|u/min"
     r"|turns/s|turns|rev/s|rev|mnm|ncm|cnm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
-    r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv)|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-z])"
+    r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv|e?rpm"
+    r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
+    r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )
 _AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
 _AS_SECOND = {"deg": "deg/s^2", "mm": "mm/s^2", "m": "m/s^2", "rad": "rad/s^2"}

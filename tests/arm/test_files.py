@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -59,7 +60,15 @@ def test_one_table_of_all_joints_is_enough(tmp_path: Path) -> None:
 def test_an_arm_without_its_simulation_is_told_to_give_it(tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text("time,q_1,q_2,tau_1,tau_2\n" + "".join(f"{0.01 * k},1,2,3,4\n" for k in range(9)))
     done = CliRunner().invoke(app, ["diagnose", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")])
-    assert "log of 2 joints: give the --simulation" in str(done.exception)
+    assert "log of 2 joints, joint_1, joint_2: give the --simulation" in str(done.exception)
+    assert "take one by --joint NAME" in str(done.exception)
+
+
+def test_the_joint_of_a_log_that_moves_alone_is_taken_without_a_simulation(tmp_path: Path) -> None:
+    lines = ["time,q_1,q_2,tau_1,tau_2", *(f"{0.01 * k},{math.sin(0.02 * k):.6f},2,3,4" for k in range(300))]
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    done = CliRunner().invoke(app, ["diagnose", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")])
+    assert "lasts 3 s, and a diagnosis needs at least 5 s" in str(done.exception)  # of that joint
 
 
 def test_the_record_can_be_read_again(folder: Path) -> None:

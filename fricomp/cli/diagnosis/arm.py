@@ -156,9 +156,12 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
         files, mapping=options.mapping, channels=options.channels, simulation=simulation, names=options.names
     )
     if simulation is None and log.is_arm:
-        count = len(log.sessions[0])
+        if len(files) == 1 and not options.mapping:
+            return None  # whose reader takes the joint that moves alone, or names them
+        names = ", ".join(one.metadata.joint for one in log.sessions[0])
         raise ParameterError(
-            f"{files[0]} is the log of {count} joints: give the --simulation of the arm (MJCF or URDF)"
+            f"{files[0]} is the log of {len(log.sessions[0])} joints, {names}: give the --simulation of their arm, or "
+            "take one by --joint NAME"
         )
     return log if log.is_arm else None
 

@@ -72,7 +72,7 @@ def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more
 def render_column(name: str, layout: TextLayout | None) -> str:
     """The name of a column, or its number where the file does not have the name as it was read."""
     if layout is not None and layout.names and not layout.names[0] and name == "time" and name not in layout.names:
-        return "1"  # an index of dates, whose column has no name
+        return "1"  # an index, whose column has no name
     if layout is None or layout.is_plain or name not in layout.names:
         return _quote(name)
     return f"{layout.names.index(name) + 1}"

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.unit_word import find_unit_words, unit_for
 from fricomp.recording.validity import Samples
 
 from .column import ColumnMeaning, name_joint, read_column_name, read_column_unit, simplify_joint
@@ -94,7 +95,9 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
             joint = match.group(1) or ""
             if joint and "{joint}" not in wanted:  # of the columns beside it, `observation.effort:3`
                 joint = "_".join([*wanted.split(".")[:-1], joint])
-            return ColumnMeaning(channel, joint, 3, meaning.unit if meaning else "")
+            said = find_unit_words(name, -1)
+            unit = unit_for(channel, said[0].unit) if said else ""
+            return ColumnMeaning(channel, joint, 3, meaning.unit if meaning else unit)
     return None
 
 

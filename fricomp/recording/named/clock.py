@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit import find_unit
 from fricomp.recording.validity import Samples
 
@@ -18,13 +19,12 @@ from .column import read_column_name
 
 __all__ = ["NANOSECONDS", "RowTimes", "find_stamps", "read_times", "says_steps"]
 
-_UNIT = r"(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min)"
+_UNIT = r"(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|с|сек|мс|мкс)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
 """Words that say whose clock it is, or since when it counts."""
 _TIME = re.compile(
-    r"^(.*[/_. ])?(t|ts|time|times|timestamps?|time stamps?|stamps?|tstamp|elapsed|__time|date[_/ ]?time|date|datum"
-    r"|clock|zeit|uhrzeit|zeitstempel|temps|heure|tiempo|hora|fecha|tempo|tijd|tid|czas|cas|时间|時間|时刻|時刻|x_value)"
-    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(]*)({_UNIT[1:-1]}|hh:mm:ss.*)[\])]?)?$"
+    rf"^(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
+    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/]*)({_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
     rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$",
     re.IGNORECASE,
 )
@@ -35,9 +35,9 @@ _STEPS = re.compile(
 )
 """Names of a time since the row before."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
-_SAID = re.compile(rf"(?<![a-z]){_UNIT}[\])]?$", re.IGNORECASE)
+_SAID = re.compile(rf"(?<![a-zа-я]){_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "msecs": "ms", "milliseconds": "ms", "µs": "us"}
-_SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns"}
+_SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds)$", re.IGNORECASE)
 _PARTS = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
 """What the rest of a stamp is called, in whose name that of its seconds is changed."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from dataclasses import dataclass
 
+from fricomp.recording.quantity_word import TOKEN, WORDS, split_words
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
@@ -19,106 +19,40 @@ __all__ = [
     "simplify_joint",
 ]
 
-_TOKEN = re.compile(r"[A-ZÀ-ÖØ-Þ]+(?![a-zß-öø-ž])|[A-ZÀ-ÖØ-Þ]?[a-zß-öø-ž]+|\d+|[\u3040-\u30ff\u4e00-\u9fff]+")
-
-_QUANTITIES = {
-    "position": (
-        "q",
-        "pos",
-        "position",
-        "positions",
-        "angle",
-        "angles",
-        "theta",
-        "qpos",
-        "winkel",
-        "posizione",
-        "phi",
-        "ang",
-        "displacement",
-        *("stroke", "weg", "posicion", "posicao", "positie", "poloha", "pozycja", "angulo", "angolo", "hoek", "vinkel"),
-        *("位置", "角度", "角", "转角"),
-    ),
-    "velocity": (
-        *(
-            "dq",
-            "qd",
-            "qdot",
-            "vel",
-            "velo",
-            "velocity",
-            "velocities",
-            "speed",
-            "omega",
-            "spd",
-            "qvel",
-            "dtheta",
-            "thetadot",
-        ),
-        *("geschwindigkeit", "drehzahl", "vitesse", "velocidad", "velocidade", "velocita", "snelheid", "hastighet"),
-        *("rychlost", "predkosc", "角速度", "速度", "转速", "回転数"),
-    ),
-    "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc", "beschleunigung"),
-    "torque": (
-        *("tau", "torque", "torques", "effort", "efforts", "eff", "moment", "trq", "torq", "tq", "tor", "force"),
-        *("drehmoment", "moment", "kraft", "couple", "coppia", "koppel", "vridmoment", "pwm", "duty"),
-        *("力矩", "扭矩", "转矩", "トルク"),
-    ),
-    "current": (
-        "current",
-        "currents",
-        "amps",
-        "iq",
-        "curr",
-        "strom",
-        "courant",
-        "corriente",
-        "corrente",
-        "电流",
-        "電流",
-    ),
-    "temperature": ("temp", "temperature", "temperatures", "temperatur", "温度"),
-}
-"""Words for a quantity, in small letters without accents: English, and those of spreadsheets in other languages.
-
-Single letters but q are left out: they are as often a joint's name."""
-
-_WORDS = {word: quantity for quantity, words in _QUANTITIES.items() for word in words}
-
 _WANTED: tuple[str, ...] = (
-    "cmd",
-    "command",
-    "commands",
-    "commanded",
-    "cmptd",
-    "ref",
-    "reference",
-    "des",
-    "desired",
-    "target",
-    "goal",
+    *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired", "target", "goal"),
+    *(
+        "setpoint",
+        "soll",
+        "set",
+        "demand",
+        "demanded",
+        "consigne",
+        "目标",
+        "目標",
+        "指令",
+        "期望",
+        "设定",
+        "목표",
+        "지령",
+    ),
+    *("заданный", "заданная", "заданное", "задание", "уставка"),
 )
-_WANTED += ("setpoint", "soll", "set", "demand", "demanded", "consigne")
-_WANTED += ("目标", "目標", "指令", "期望", "设定")
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
 _MEASURED |= {"filtered": 0, "filt": 0, "in": 0, "ang": 0, "angular": 0}
+_MEASURED |= {"измеренный": 2, "измеренная": 2, "измеренное": 2, "фактический": 2, "факт": 2, "угловая": 0, "실제": 2}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
 as well. `tau_J` is a Franka's."""
 _RATES = {"dot": ("velocity", "acceleration"), "ddot": ("acceleration", "")}
 """Words behind that of a position or a velocity which make a derivative of it."""
-_COMPOUND = re.compile(
-    r"(\w+)(drehmoment|moment|geschwindigkeit|drehzahl|beschleunigung|winkel|strom|temperatur|kraft|position)"
-)
-"""Words that German joins to one: `Gelenkwinkel`, `Sollposition`."""
-_JOINED = re.compile(r"(.+?)(角速度|位置|角度|速度|转速|力矩|扭矩|转矩|トルク|电流|電流|温度|角)")
-"""Words that Chinese and Japanese join to one."""
-
 _CURRENT = re.compile(r"(?<![A-Za-z0-9])[iI](_?\d+$|_q(?![A-Za-z]))")
 """`i_q`, `i0`, `I_3`: the letter alone is as often a row's number or a joint's name."""
 
-_MOTOR = ("motor", "rotor")
+_MOTOR = ("motor", "rotor", "двигателя")
+_STATES = ("state", "states")
+"""Behind a motor's word: `motor_state[3].q` is Unitree's angle of the joint, and beside it stands its torque."""
 _SENSOR = ("sensor", "load", "transducer", "loadcell")
 """Words of a torque that a sensor behind the gear measures."""
 _OUTSIDE = ("ext", "external", "contact")
@@ -184,7 +118,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
 
     `q_3`, `Position3`, `actual_q_2`, `tau_J:4`, `shoulder.effort`, `/joint_states/elbow/velocity`, `q_cmd[deg]:1`.
     """
-    words = _split_words(name)
+    words = split_words(name)
     found = _find_quantity(name, words)
     if found is None:
         unit = read_unit(name) if len(name) > 1 else ""  # `rad`, `mA`; single letters are as often a joint's name
@@ -200,7 +134,8 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     if not quantity or "outside" in roles.values() or ("wanted" in roles.values() and quantity not in _REFERENCES):
         return None
     measured = [_MEASURED[words[k][0]] for k, role in roles.items() if role == "measured"]
-    is_raw = "raw" in roles.values() or "%" in name or "‰" in name
+    counted = said and re.split(r"[^a-z]", said[0].text.lower())[0] in _RAW
+    is_raw = counted or "raw" in roles.values() or "%" in name or "‰" in name
     dropped = [words[at][1], *(one.span for one in said), *(words[k][1] for k in roles)]
     unit = "N" if words[at][0] in _FORCES else ""
     unit = RAW_UNIT if is_raw else unit_for(quantity, said[0].unit) if said else unit
@@ -215,9 +150,9 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     """
     said = find_unit_words(name, 0)
     kind = kind_of_unit(said[0].unit) if said else ""
-    if kind in ("", "voltage", "temperature") or _find_quantity(name, _split_words(name)) is not None:
+    if kind in ("", "voltage", "temperature") or _find_quantity(name, split_words(name)) is not None:
         return None
-    words = [one for one in _split_words(name) if not (one[1][0] < said[0].span[1] and said[0].span[0] < one[1][1])]
+    words = [one for one in split_words(name) if not (one[1][0] < said[0].span[1] and said[0].span[0] < one[1][1])]
     is_letter = len(words) == 1 and len(words[0][0]) == 1
     if UNITS[said[0].unit].si not in _ROTARY and not is_letter:
         return None
@@ -231,27 +166,7 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
 
 def says_asked_for(name: str) -> bool:
     """Whether a column is called as what a joint was asked for: `q_ref`, `goal`, the `action` of a policy."""
-    return any(word in (*_WANTED, "action", "actions") for word, _ in _split_words(name))
-
-
-def _split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
-    """The words of a name in small letters, with where they stand; those that German joins are two."""
-    words = []
-    for match in _TOKEN.finditer(name):
-        word, (start, end) = _simplify_letters(match.group()), match.span()
-        joined = None if word in _WORDS else _COMPOUND.fullmatch(word) or _JOINED.fullmatch(word)
-        if joined:
-            cut = start + joined.end(1)
-            words += [(joined.group(1), (start, cut)), (joined.group(2), (cut, end))]
-        else:
-            words.append((word, (start, end)))
-    return words
-
-
-def _simplify_letters(word: str) -> str:
-    """A word in small letters without accents, each letter as one."""
-    letters = (unicodedata.normalize("NFD", letter)[0] for letter in word.lower())
-    return word if not word.isascii() and word[0] >= "\u3040" else "".join(letters)
+    return any(word in (*_WANTED, "action", "actions") for word, _ in split_words(name))
 
 
 def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:
@@ -287,7 +202,7 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
         return "wanted"
     if word in _MEASURED:
         return "measured"
-    if quantity == "position" and word in _MOTOR:
+    if quantity == "position" and word in _MOTOR and not (k + 1 < len(words) and words[k + 1][0] in _STATES):
         return "motor"
     if quantity == "torque" and word in (*_SENSOR, *_OUTSIDE):
         return "sensor" if word in _SENSOR else "outside"
@@ -307,9 +222,9 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
         return None
     if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name
         return next(k for k, (word, _) in enumerate(words) if word == "i"), "current"
-    known = [k for k, (word, _) in enumerate(words) if word in _WORDS]
+    known = [k for k, (word, _) in enumerate(words) if word in WORDS]
     if known:
-        return known[-1], _WORDS[words[known[-1]][0]]
+        return known[-1], WORDS[words[known[-1]][0]]
     counted = [k for k, (word, _) in enumerate(words) if word in _ENCODER]
     return (counted[0], "position") if counted else None
 
@@ -325,7 +240,7 @@ def _cut_out(name: str, spans: list[tuple[int, int]]) -> str:
 
 def simplify_joint(name: str) -> str:
     """The words of a joint's name that tell it from others, so that `joint_1`, `J1` and `1` are the same."""
-    words = [match.group().lower() for match in _TOKEN.finditer(name)]
+    words = [match.group().lower() for match in TOKEN.finditer(name)]
     kept = [word for word in words if word not in ("joint", "joints", "j", "jnt", "axis")]
     return "_".join(str(int(word)) if word.isdigit() else word for word in kept)
 

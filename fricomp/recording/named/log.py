@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,7 @@ from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
 from .choice import INTEGRAL, TORQUES, Chosen, choose_columns, list_names
 from .clock import find_stamps, read_times
-from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name
+from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name, read_column_unit
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
 
@@ -127,6 +128,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     findings: list[Finding] = []
     for joint in complete:
         own = chosen[joint]
+        notes += _leave_out_unknown(path, own)
         recording, found = _build(path, time, columns, own)
         notes += [f"{path.name}, {recording.metadata.joint}: {finding.message}." for finding in found]
         ratio = _find_gear(recording, own)
@@ -155,10 +157,15 @@ def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen)
     what = {"torque": "the torque", "position": "a position and a torque"}[missing]
     if missing == "position" and _has_torque(columns):
         what = "the position"
-    silent = [name for name, values in columns.items() if read_column_name(name) is None and _varies(values)]
+    said = {name: read_column_name(name) or read_column_unit(name) for name in columns}
+    silent = [name for name, values in columns.items() if said[name] is None and _varies(values)]
     silent = [name for name in silent if name not in find_stamps(columns)]
     likely = silent[0].partition(":")[0] if silent else ""
-    such = f", such as --channel {missing}={likely} where it is that one," if likely and "and" not in what else ","
+    such = (
+        f", such as --channel {shlex.quote(f'{missing}={likely}')} where it is that one,"
+        if likely and "and" not in what
+        else ","
+    )
     return (
         f"{path} does not say where {what} of a joint is: its columns are {list_names(columns)}. Name them such as q_1 "
         f"and tau_1, say it by --channel {missing}=NAME{such} or give a --mapping ('fricomp convert {path} --inspect' "
@@ -216,6 +223,18 @@ def _build(
         source=path.name,
     )
     return Recording.from_channels(usable, metadata), findings
+
+
+def _leave_out_unknown(path: Path, own: dict[str, tuple[str, ColumnMeaning]]) -> list[str]:
+    """Take the columns off that are not needed and whose unit is not known; what is said of each."""
+    needed = {"position", "motor_position", next(one for one in TORQUES if one in own)}
+    needed |= {"velocity"} if own.get("position", ("", None))[0] == INTEGRAL else set()
+    unknown = [one for one in own if one not in needed and own[one][1].unit in (RAW_UNIT, UNKNOWN_UNIT)]
+    return [
+        f"{path.name}: {own.pop(channel)[0]!r} was left out, because the worth of its unit is not known; say it in a "
+        "mapping, by scale, where it is wanted."
+        for channel in unknown
+    ]
 
 
 def _to_si(

@@ -15,13 +15,16 @@ from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources import is_text, read_columns
+from fricomp.recording.sources.can_frames import refuse_frames
+from fricomp.recording.sources.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
-from fricomp.recording.sources.text import as_table, cut_rows, find_encoding, number_or_nan, read_lines
+from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_nan, read_lines
 from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
 from fricomp.recording.sources.topic import Topic
 from fricomp.recording.validity import Samples
 
+from .clock import find_stamps
 from .column import read_column_name
 
 __all__ = [
@@ -39,13 +42,28 @@ __all__ = [
 ]
 
 _JOINT_COLUMNS = ("joint", "joint_name", "name", "motor", "motor_name", "axis", "actuator", "drive")
-_SIGNAL_COLUMNS = ("signal", "variable", "channel", "measurement", "field", "_field", "topic", "key", "name", "tag")
+_SIGNAL_COLUMNS = (
+    "metric",
+    "signal",
+    "variable",
+    "channel",
+    "measurement",
+    "field",
+    "_field",
+    "topic",
+    "key",
+    "name",
+    "tag",
+)
 _VALUE_COLUMNS = ("value", "_value", "values", "wert", "data")
 """Names of a table with one number a row, and a word beside it for what it is."""
 _MOST_JOINTS = 64
 _LONGEST_LINE = 100_000
 """Characters of a first line that are looked at."""
 _PLAIN_NUMBER = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?")
+_DIGIT = re.compile(r"\d")
+_MOST_UNREAD = 0.05
+"""Part of the cells of a quantity that hold digits and are no numbers, above which it is refused."""
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 
 
@@ -156,6 +174,7 @@ def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:
         layout = find_layout(lines)
     except csv.Error as error:
         raise RecordingError(f"{path} is no table of text: {error}") from error
+    refuse_frames(path, lines)
     if layout is None:
         shown = next((line.strip() for line in lines if line.strip()), "")[:60]
         raise RecordingError(
@@ -180,6 +199,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
     for k, name in enumerate(names):
         cells = [row[k] if k < len(row) else "" for row in rows]
         found = _read_cells(name, cells, layout.decimal)
+        _require_numbers(path, name, cells, found)
         if any(one in columns and not np.array_equal(columns[one], new, equal_nan=True) for one, new in found.items()):
             _refuse_twice(path, name)
             continue
@@ -195,6 +215,23 @@ def _refuse_twice(path: Path, name: str) -> None:
         raise RecordingError(
             f"{path}: column {name!r} appears twice, with other numbers: give each a name of its own, or say by "
             "--mapping which is which, with their numbers from 1"
+        )
+
+
+def _require_numbers(path: Path, name: str, cells: Sequence[str], found: Mapping[str, Samples]) -> None:
+    """Refuse a quantity of whose cells with digits many are read as no number: what is left of them would be believed.
+
+    Raises:
+        RecordingError: It is such a column.
+    """
+    values = found.get(name)
+    if values is None or read_column_name(name) is None or not np.isfinite(values).any():
+        return
+    unread = [cell for cell, value in zip(cells, values, strict=True) if not np.isfinite(value) and _DIGIT.search(cell)]
+    if len(unread) > _MOST_UNREAD * len(cells):
+        raise RecordingError(
+            f"{path}: {len(unread)} of {len(cells)} cells of {name!r} are not read as numbers, such as {unread[0]!r}: "
+            "write them with a point or a comma before the decimals and nothing else"
         )
 
 
@@ -225,11 +262,20 @@ def explain_unnamed(path: Path) -> str:
 
 
 def _name_index(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """The names with that of the first column as a time where it has none and holds dates, as data frames write it."""
+    """The names with that of the first column as a time where it has none and holds times, as data frames write it.
+
+    Dates are times, and so are numbers that rise by other steps than those of rows, where no column is called as one.
+    """
     first = rows[0][0] if rows and rows[0] else ""
-    if names[0] or "time" in names or not any(mark in first for mark in ":-") or not np.isfinite(_to_number(first)):
+    if names[0] or "time" in names or not np.isfinite(_to_number(first)):
         return list(names)
-    return list(names) if _PLAIN_NUMBER.fullmatch(first.strip()) else ["time", *names[1:]]
+    is_date = any(mark in first for mark in ":-") and not _PLAIN_NUMBER.fullmatch(first.strip())
+    if not is_date:
+        values = np.array([_to_number(row[0]) for row in rows])
+        counts = bool(np.all(values == np.round(values)))
+        if counts or not np.all(np.diff(values) > 0.0) or find_stamps(names):
+            return list(names)
+    return ["time", *names[1:]]
 
 
 def read_unnamed_columns(path: Path) -> dict[str, Samples]:

@@ -29,8 +29,9 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Collection[str] 
         meaning: What its words say.
         beside: Names of all columns.
     """
-    if name in ("POSITION", "VELOCITY") and set(beside) >= _MOTEUS:
-        return replace(meaning, unit="turns" if name == "POSITION" else "turns/s")
+    path, _, register = name.rpartition(".")
+    if register in ("POSITION", "VELOCITY") and {f"{path}.{one}".lstrip(".") for one in _MOTEUS} <= set(beside):
+        return replace(meaning, unit="turns" if register == "POSITION" else "turns/s")
     if meaning.unit not in ("", RAW_UNIT):
         return meaning
     if meaning.channel == "position" and _TURNS.search(name):

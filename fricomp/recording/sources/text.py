@@ -10,14 +10,20 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
+from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.columns import Columns
-from fricomp.recording.sources.labelled_rows import tabulate_labelled
-from fricomp.recording.sources.text_layout import FIRST_LINES, find_layout, is_comment, parse_number, split_cells
+from fricomp.recording.sources.plain_table import as_table
+from fricomp.recording.sources.text_layout import is_comment, parse_number, split_cells
 from fricomp.untrusted import find_size_limit
 
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _SAMPLE = 2**20
 """Bytes by which an encoding is told."""
+_ENCODINGS = ("utf-8", "cp1252", "gb18030", "big5", "cp932", "cp949", "cp1251")
+"""UTF-8 and those of Windows: western, simplified and traditional Chinese, Japanese, Korean, Cyrillic."""
+_HEADING = 4000
+"""Characters of a text in which its names are looked for."""
+_CELL = re.compile(r"[^,;\t|\r\n]+")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
@@ -62,21 +68,6 @@ def read_lines(path: Path) -> list[str]:
     return as_table(text.splitlines(), is_whole=text.endswith("\n"))
 
 
-def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
-    """The lines as they are, or of rows that label each number those of a table with these names.
-
-    Args:
-        lines: Of a text.
-        is_whole: Whether the last one has ended.
-    """
-    try:
-        layout = find_layout(lines[:FIRST_LINES])
-    except csv.Error:
-        return lines  # whose reader says what is wrong with it
-    is_table = layout is not None and bool(layout.names)
-    return (None if is_table else tabulate_labelled(lines, is_whole=is_whole)) or lines
-
-
 def cut_rows(path: Path, lines: Sequence[str], delimiter: str, first: int) -> list[tuple[int, list[str]]]:
     """Cells of the lines that are neither empty nor comments, each with the number of its line.
 
@@ -100,7 +91,9 @@ def cut_rows(path: Path, lines: Sequence[str], delimiter: str, first: int) -> li
 
 
 def find_encoding(path: Path) -> str:
-    """Encoding of a text file: what its byte order mark says, else UTF-8, else that of western Windows.
+    """Encoding of a text file: what its byte order mark says, else UTF-8, else the one by which most words are known.
+
+    Where none of them makes words of its first lines it is that of western Windows.
 
     Raises:
         RecordingError: It is none of them, or has bytes that no text has.
@@ -110,14 +103,22 @@ def find_encoding(path: Path) -> str:
     for mark, encoding in _MARKED.items():
         if start.startswith(mark):
             return encoding
-    for encoding in ("utf-8", "cp1252"):
-        try:
-            text = codecs.getincrementaldecoder(encoding)().decode(start)
-        except UnicodeDecodeError:
-            continue
-        if "\0" not in text:
-            return encoding
-    raise RecordingError(f"{path} is no text file: name its format in a mapping, or give another file")
+    texts = {encoding: text for encoding in _ENCODINGS if "\0" not in (text := _decode(start, encoding) or "\0")}
+    if not texts:
+        raise RecordingError(f"{path} is no text file: name its format in a mapping, or give another file")
+    return "utf-8" if "utf-8" in texts else max(texts, key=lambda encoding: _count_words(texts[encoding]))
+
+
+def _decode(start: bytes, encoding: str) -> str | None:
+    try:
+        return codecs.getincrementaldecoder(encoding)().decode(start)
+    except UnicodeDecodeError:
+        return None
+
+
+def _count_words(text: str) -> int:
+    """Number of cells of the first lines of which a word is a quantity or a time."""
+    return count_known(_CELL.findall(text[:_HEADING]))
 
 
 def _refuse_names(path: Path, source: Source, keys: Collection[Column]) -> None:

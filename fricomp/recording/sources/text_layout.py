@@ -5,14 +5,18 @@ from __future__ import annotations
 import csv
 import itertools
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from datetime import UTC, datetime, time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from typing import NamedTuple
 
+from fricomp.recording.quantity_word import count_known
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import read_unit
 
-__all__ = ["FIRST_LINES", "TextLayout", "find_layout", "is_comment", "parse_number", "split_cells"]
+__all__ = [
+    "FIRST_LINES", "TextLayout", "find_layout", "is_comment", "parse_number", "read_measured", "split_cells",
+]  # fmt: skip
 
 FIRST_LINES = 200
 """Lines by which it is told how a text is laid out."""
@@ -25,9 +29,25 @@ _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}
 _SLASHES = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*([AaPp][Mm])?")
 _DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
 """A number with points between thousands and a decimal comma."""
+_GAPPED = re.compile(r"[+-]?\d{1,3}(?:([ \u00a0\u2009\u202f'’])\d{3})(?:\1\d{3})*(?:[.,]\d*)?")
+"""A number with spaces or apostrophes between thousands."""
+_FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)")
+_CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:](\d+))?")
+"""A time of day, or a length of time in hours or in minutes."""
+_IEC = re.compile(r"L?T(?:IME)?#(?:[\d.]+(?:d|h|ms|us|ns|m|s)_?)+", re.IGNORECASE)
+_IEC_PART = re.compile(r"([\d.]+)(d|h|ms|us|ns|m|s)", re.IGNORECASE)
+_IEC_UNITS = {"d": 86400.0, "h": 3600.0, "m": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+"""A length of time as controllers write it, `T#1s234ms` [iec61131], and its parts [s]."""
+_MEASURED = re.compile(r"([+-]?[\d.,]*\d(?:[eE][+-]?\d+)?)\s*([^\W\d_].*|[°µ].*)")
+_TIME_WORDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "µs": 1e-6, "us": 1e-6, "ns": 1e-9, "min": 60.0, "hr": 3600.0}
+"""Units of time behind a number, as MATLAB writes lengths of time [s]."""
+_LIST = re.compile(r"[\[(][\s\d.,;eE+\-naNA]*[\])]?")
 _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
+_UNITS_OF_PAIRS = ("unit", "units", "einheit", "einheiten")
 _SPAN = re.compile(r"(-?\d+) days?,? \+?(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
+_UNIT_LABEL = re.compile(r"^\s*(?:unit|einheit)\s*[:=]\s*", re.IGNORECASE)
+"""What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
 _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
 """A line that is drawn between names and rows."""
 _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
@@ -48,6 +68,8 @@ _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
 _LEAST_NUMBERS = 0.3
 """Part of a line's cells that are numbers, from which on it is a row."""
 _FEWEST_CELLS = 2
+_MOST_HEADINGS = 6
+"""Lines above the rows among which the names are looked for."""
 _AFTER, _LOOKED_AT = 3, 20
 """Lines below a row that are looked at, and among how many they are looked for."""
 _NO_VALUE = ("null", "none", "n/a", "na", "-", "--", "#n/a", "true", "false")
@@ -78,6 +100,14 @@ class TextLayout:
     def is_plain(self) -> bool:
         """Whether the names stand in the line above the rows, as they are."""
         return bool(self.names) and self.rows_line == self.names_line + 1 and not self.in_comment
+
+
+class _Heading(NamedTuple):
+    """A line above the rows with as many cells as they have."""
+
+    number: int
+    cells: list[str]
+    is_comment: bool
 
 
 def is_comment(line: str) -> bool:
@@ -129,6 +159,8 @@ def _name_pairs(above: Sequence[str], width: int) -> tuple[str, ...]:
     names = next((said[word] for word in said if word.lower() in _NAMES_OF_PAIRS and all(said[word])), None)
     if names is None:
         return ()
+    units = next((said[word] for word in said if word.lower() in _UNITS_OF_PAIRS), [])
+    names = [_with_unit(name, unit) for name, unit in itertools.zip_longest(names, units[: len(names)], fillvalue="")]
     unit = next((match.group(1) for word in said if (match := re.search(r"time.*\[(\w+)\]", word.lower()))), "")
     first = f"time [{unit}]" if unit else "time"
     return tuple(cell for k, name in enumerate(names) for cell in (f"{name}.time" if k else first, name))
@@ -143,13 +175,33 @@ def _goes_on(below: Sequence[str], mark: str, first: Sequence[str]) -> bool:
     if not lines or lines[0] is below[-1]:
         return True
     rows = [split_cells(line, mark) for line in lines if line is not below[-1]]
-    places = [k for k, cell in enumerate(first) if _is_entry(cell)]
-    words = any(k < len(row) and row[k] and not _is_value(row[k]) for row in rows for k in places)
+    places = [k for k, cell in enumerate(first) if _is_number(cell)]
+    words = any(k < len(row) and row[k] and not _is_value(row[k], first[k]) for row in rows for k in places)
     return _fits(rows[0], len(first)) and not words
 
 
-def _is_value(cell: str) -> bool:
-    return _is_entry(cell) or cell.lower() in _NO_VALUE
+def _is_value(cell: str, like: str) -> bool:
+    """Whether a cell is a number as that above it: with a unit behind it where that has one."""
+    return cell.lower() in _NO_VALUE or (_is_number(cell) and bool(read_measured(cell)) == bool(read_measured(like)))
+
+
+def _is_number(cell: str) -> bool:
+    return _is_entry(cell) or read_measured(cell) is not None
+
+
+def read_measured(cell: str) -> tuple[str, float, float] | None:
+    """The number in front of a unit in one cell, and what makes SI of it by factor and offset; None where it is none.
+
+    `12.3°`, `0.002 sec`, `-4,1 N·m`.
+    """
+    match = _MEASURED.fullmatch(cell.strip().replace("\u2212", "-"))
+    if match is None:
+        return None
+    number, word = match.groups()
+    unit = UNITS.get(read_unit(word))
+    if unit is not None:
+        return number, unit.factor, unit.offset
+    return (number, _TIME_WORDS[word.lower()], 0.0) if word.lower() in _TIME_WORDS else None
 
 
 def _find_mark(line: str) -> str | None:
@@ -159,7 +211,7 @@ def _find_mark(line: str) -> str | None:
         if mark and mark not in line:
             continue
         cells = [cell for cell in split_cells(line, mark) if cell]
-        numbers = sum(map(_is_entry, cells))
+        numbers = sum(map(_is_number, cells))
         if len(cells) < _FEWEST_CELLS or numbers < _FEWEST_CELLS or numbers < _LEAST_NUMBERS * len(cells):
             continue
         if best is None or numbers / len(cells) > best[0]:
@@ -173,27 +225,47 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     pairs = _name_pairs(lines[:row], width)
     if pairs:
         return TextLayout(mark, decimal, pairs, row, row, in_comment=True)
-    units: tuple[str, ...] = ()
+    headings: list[_Heading] = []
     first = row
-    for at in range(row - 1, -1, -1):
-        line = lines[at].strip()
+    for line in _list_above(lines[:row], mark, width):
+        if not any(map(_is_entry, line.cells)):
+            headings.append(line)
+        elif headings:
+            break
+        else:
+            first = line.number
+    bare = TextLayout(mark, decimal, (), first, first)
+    return _choose_names(headings[:_MOST_HEADINGS], bare) if headings else bare
+
+
+def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
+    """The lines above a row with as many cells, the nearest first, up to one that has not; no comments of numbers."""
+    for number, line in reversed(list(enumerate(map(str.strip, above)))):
         if not line or _RULE.fullmatch(line):
             continue
-        cells = split_cells(line.lstrip("#%/ ") if is_comment(line) else line, mark)
-        if not _fits(cells, width):
-            if is_comment(line):
-                continue
-            break
-        if any(_is_entry(cell) for cell in cells):
-            if is_comment(line):
-                continue
-            first = at
-        elif not units and at > 0 and all(map(_is_unit, cells)) and any(cells) and _has_names(lines[:at], mark, width):
-            units = tuple(cells)
-        else:
-            names = tuple(_with_unit(name, unit) for name, unit in zip(cells, units or [""] * len(cells), strict=False))
-            return TextLayout(mark, decimal, names, at, first, is_comment(line))
-    return TextLayout(mark, decimal, (), first, first)
+        found = _Heading(number, split_cells(line.lstrip("#%/ ") if is_comment(line) else line, mark), is_comment(line))
+        if not found.is_comment and not _fits(found.cells, width):
+            return
+        if not found.is_comment or (_fits(found.cells, width) and not any(map(_is_entry, found.cells))):
+            yield found
+
+
+def _choose_names(headings: Sequence[_Heading], layout: TextLayout) -> TextLayout:
+    """The layout with its names: the line with the most words for a quantity, of several the one nearest to the rows.
+
+    Lines of units, of remarks and of numbers of channels stand above and below it.
+
+    Args:
+        headings: Lines above the rows, the nearest first.
+        layout: Without names.
+    """
+    units = next((one for one in headings if any(one.cells) and all(map(_is_unit, one.cells))), None)
+    others = [one for one in headings if one is not units] or headings[:1]
+    line = max(others, key=lambda one: (count_known(one.cells), not one.is_comment))
+    said = units.cells if units is not None and units is not line else []
+    pairs = itertools.zip_longest(line.cells, said[: len(line.cells)], fillvalue="")
+    names = tuple(_with_unit(name, unit) for name, unit in pairs)
+    return replace(layout, names=names, names_line=line.number, in_comment=line.is_comment)
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:
@@ -201,26 +273,20 @@ def _fits(cells: Sequence[str], width: int) -> bool:
     return len(cells) == width or (abs(len(cells) - width) == 1 and len(cells) > _FEWEST_CELLS)
 
 
-def _has_names(above: Sequence[str], mark: str, width: int) -> bool:
-    """Whether the line above one of units has names."""
-    line = next((one for one in reversed(above) if one.strip()), "")
-    cells = split_cells(line.lstrip("#%/ "), mark)
-    return _fits(cells, width) and not any(map(_is_entry, cells))
-
-
 def _is_unit(cell: str) -> bool:
+    cell = _UNIT_LABEL.sub("", cell)
     return cell.lower() in _UNIT_WORDS or bool(read_unit(cell)) or _BRACKETS.fullmatch(cell) is not None
 
 
 def _with_unit(name: str, unit: str) -> str:
-    bare = unit.strip("[]()")
+    bare = _UNIT_LABEL.sub("", unit).strip("[]()")
     return f"{name} [{bare}]" if bare and bare not in "-–" else name
 
 
 def _is_entry(cell: str) -> bool:
     """Whether a cell is a number, a date or a list of numbers."""
     if cell[:1] in ("[", "("):
-        return any(character.isdigit() for character in cell)
+        return any(map(str.isdigit, cell)) and _LIST.fullmatch(cell) is not None
     try:
         parse_number(cell, ",")
     except ValueError:
@@ -231,19 +297,25 @@ def _is_entry(cell: str) -> bool:
 def parse_number(cell: str, decimal: str) -> float:
     """A number, also with a decimal comma or with commas between thousands, or in hexadecimal digits behind `0x`.
 
-    Of a date and time by ISO 8601, with the day first and dots between, or with slashes (the month first, where that
-    can be), it is the seconds since 1970; of a time of day those since midnight [s]; of `0 days 00:00:01.5` its length.
+    Spaces and apostrophes between thousands, the minus sign of Unicode and Fortran's `1.2D-3` are read too. Of a date
+    and time by ISO 8601, with the day first and dots between, or with slashes (the month first, where that can be), it
+    is the seconds since 1970; of a time of day those since midnight [s]; of `0 days 00:00:01.5`, of `02:03.5` and of
+    `T#2m3s500ms` its length.
 
     Raises:
         ValueError: It is none.
     """
-    text = cell.strip().strip('"')
+    text = cell.strip().strip('"').replace("\u2212", "-")
+    gapped = _GAPPED.fullmatch(text)
+    if gapped:
+        text = text.replace(gapped.group(1), "")
     if "," in text:
         text = _without_commas(text, decimal)
     try:
         return float(int(text, 16)) if text[:2] in ("0x", "0X") else float(text)
     except ValueError:
-        return _parse_stamp(text)
+        fortran = _FORTRAN.fullmatch(text)
+        return float("e".join(fortran.groups())) if fortran else _parse_stamp(text)
 
 
 def _without_commas(text: str, decimal: str) -> str:
@@ -274,8 +346,11 @@ def _parse_stamp(text: str) -> float:
     if european:
         day, month, year, clock = european.groups()
         text = f"{year}-{int(month):02d}-{int(day):02d} {clock.zfill(8)}"
-    if "-" not in text and text.count(":") == 2:
-        clock_time = time.fromisoformat(text.replace(",", "."))
-        return 3600.0 * clock_time.hour + 60.0 * clock_time.minute + clock_time.second + 1e-6 * clock_time.microsecond
+    clock_time = _CLOCK.fullmatch(text)
+    if clock_time and (clock_time.group(1) or clock_time.group(4)):
+        hours, minutes, seconds, rest = clock_time.groups("0")
+        return 3600.0 * int(hours) + 60.0 * int(minutes) + float(f"{seconds}.{rest}")
+    if _IEC.fullmatch(text):
+        return sum(float(number) * _IEC_UNITS[unit.lower()] for number, unit in _IEC_PART.findall(text))
     stamp = datetime.fromisoformat(text)
     return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()

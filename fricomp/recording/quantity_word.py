@@ -1,0 +1,75 @@
+"""Words for the quantities of a joint, as the names of columns have them in several languages."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+__all__ = ["TIMES", "TOKEN", "WORDS", "count_known", "split_words"]
+
+_UPPER, _LOWER = "A-ZÀ-ÖØ-ÞЁА-ЯІЇ", "a-zß-öø-žа-яёії"
+TOKEN = re.compile(
+    rf"[{_UPPER}]+(?![{_LOWER}])|[{_UPPER}]?[{_LOWER}]+|\d+|[\u3040-\u30ff\u4e00-\u9fff]+|[\uac00-\ud7a3]+|[θφωτ]"
+)
+
+_QUANTITIES = {
+    "position": """q pos position positions angle angles theta qpos winkel posizione phi ang displacement stroke weg
+        posicion posicao positie poloha pozycja angulo angolo hoek vinkel угол положение позиция координата кут θ φ
+        位置 角度 角 转角 轉角 각도 위치""",
+    "velocity": """dq qd qdot vel velo velocity velocities speed omega spd qvel dtheta thetadot geschwindigkeit
+        drehzahl vitesse velocidad velocidade velocita snelheid hastighet rychlost predkosc скорость швидкість ω
+        角速度 速度 转速 轉速 回転数 각속도 속도""",
+    "acceleration": "ddq qdd qddot acc acceleration accelerations qacc beschleunigung ускорение",
+    "torque": """tau torque torques effort efforts eff moment trq torq tq tor force drehmoment kraft couple coppia
+        koppel vridmoment pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",
+    "current": """current currents amps iq curr strom courant corriente corrente ток струм 电流 電流 전류""",
+    "temperature": "temp temperature temperatures temperatur температура 温度 溫度 온도",
+}
+"""Words for a quantity, in small letters without accents: English, and those of spreadsheets in other languages.
+
+Single letters but q are left out: they are as often a joint's name."""
+
+TIMES: tuple[str, ...] = (
+    *("t", "ts", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "tstamp", "elapsed", "date", "datum"),
+    *("clock", "zeit", "uhrzeit", "zeitstempel", "temps", "heure", "tiempo", "hora", "fecha", "tempo", "tijd", "tid"),
+    *("czas", "cas", "время", "час", "时间", "時間", "时刻", "時刻", "시간"),
+)
+"""Words for a time."""
+
+_COMPOUND = re.compile(
+    r"(\w+)(drehmoment|moment|geschwindigkeit|drehzahl|beschleunigung|winkel|strom|temperatur|kraft|position)"
+)
+"""Words that German joins to one: `Gelenkwinkel`, `Sollposition`."""
+_JOINED = re.compile(
+    r"(.+?)(角速度|位置|角度|速度|转速|轉速|力矩|扭矩|转矩|轉矩|トルク|电流|電流|温度|溫度|角|각도|위치|각속도|속도|토크|전류)"
+)
+"""Words that Chinese, Japanese and Korean join to one."""
+
+
+def _simplify_letters(word: str) -> str:
+    """A word in small letters without accents, each letter as one."""
+    letters = (unicodedata.normalize("NFD", letter)[0] for letter in word.lower())
+    return word if not word.isascii() and word[0] >= "\u3040" else "".join(letters)
+
+
+WORDS = {_simplify_letters(word): quantity for quantity, words in _QUANTITIES.items() for word in words.split()}
+_KNOWN = WORDS.keys() | {_simplify_letters(word) for word in TIMES}
+
+
+def split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
+    """The words of a name in small letters, with where they stand; those that German joins are two."""
+    words = []
+    for match in TOKEN.finditer(name):
+        word, (start, end) = _simplify_letters(match.group()), match.span()
+        joined = None if word in WORDS else _COMPOUND.fullmatch(word) or _JOINED.fullmatch(word)
+        if joined:
+            cut = start + joined.end(1)
+            words += [(joined.group(1), (start, cut)), (joined.group(2), (cut, end))]
+        else:
+            words.append((word, (start, end)))
+    return words
+
+
+def count_known(names: list[str]) -> int:
+    """Number of names of which a word is a quantity or a time."""
+    return sum(any(word in _KNOWN for word, _ in split_words(name)) for name in names)

@@ -1,0 +1,38 @@
+"""Logs of the bare frames of a CAN bus, which do not say what their bytes hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from fricomp.errors import RecordingError
+
+__all__ = ["refuse_frames"]
+
+_FRAME = re.compile(
+    r"^\s*(?:\(?[\d.: -]+\)?\s+)?\w*can\w*\s+[0-9A-F]{3,8}(?:#{1,2}[0-9A-F]*|\s+(?:\[\d+\]\s+)?(?:[0-9A-F]{2}\s*)+)$"
+    r"|^\s*[\d.]+\s+\d+\s+[0-9A-F]{3,8}x?\s+(?:Rx|Tx)\s+d\s+\d",
+    re.IGNORECASE,
+)
+"""A line of `candump`, or of the ASC files of Vector."""
+_MOSTLY = 0.5
+
+
+def refuse_frames(path: Path, lines: Sequence[str]) -> None:
+    """Refuse a log of bare frames, with how to decode it.
+
+    Args:
+        path: Of the file, for the message.
+        lines: The first ones of a text.
+
+    Raises:
+        RecordingError: Most of them are frames.
+    """
+    said = [line for line in lines if line.strip()]
+    if sum(_FRAME.match(line) is not None for line in said) > _MOSTLY * len(said):
+        raise RecordingError(
+            f"{path} holds bare frames of a CAN bus, which do not say what their bytes are: decode it by the "
+            f"description of the drive, such as 'python -m cantools decode --single-line drive.dbc < {path.name} > "
+            "decoded.log', whose lines are read by themselves"
+        )

@@ -1,0 +1,156 @@
+"""Texts that are a table but for what their program writes around each row or into each cell, made plain."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+
+from fricomp.recording.unit_word import find_unit_words
+
+from .labelled_rows import tabulate_labelled
+from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, parse_number, read_measured, split_cells
+
+__all__ = ["as_table"]
+
+_MOSTLY = 0.5
+_ARRIVED = re.compile(r"^\s*((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s?(.*)$")
+"""When a line arrived, as serial monitors write before it."""
+_ENTRY = re.compile(r"^(\s*)(?:- (?!\w+:\s)|(\w+):)\s*(.*)$")
+"""A line of a printed message: an entry of a list, or a key with its value."""
+_METRIC = re.compile(r"^([A-Za-z_:][\w:]*)(\{.*\})?\s+([+-]?[\d.]+(?:[eE][+-]?\d+)?|NaN)\s+(\d+)$")
+"""A sample of Prometheus' text format: name, labels, value and its time in milliseconds [prometheus]."""
+_JOINT_LABEL = re.compile(r'\b(?:joint|joint_name|motor|axis)="([^"]*)"')
+
+
+def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
+    """The lines as they are, or those of a table with the same numbers.
+
+    Rows that label each number, messages of ROS as they are printed, samples of Prometheus, lines behind the time at
+    which they arrived, and cells with their unit become plain rows below one line of names.
+
+    Args:
+        lines: Of a text.
+        is_whole: Whether the last one has ended.
+    """
+    lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
+    try:
+        layout = find_layout(lines[:FIRST_LINES])
+        if layout is not None and layout.names:
+            return _without_units(lines, layout) or lines
+    except csv.Error:
+        return lines  # whose reader says what is wrong with it
+    return tabulate_labelled(lines, is_whole=is_whole) or lines
+
+
+def _tabulate_messages(lines: Sequence[str]) -> list[str] | None:
+    """Rows of the messages that `ros2 topic echo` or `rostopic echo` prints; None where there are none.
+
+    Lists beside a list `name` are `<name>/<field>`; the last message is left out where it was cut off.
+    """
+    first = [line.strip() for line in lines[:FIRST_LINES]]
+    if "---" not in first or not any(line.startswith("position:") for line in first):
+        return None
+    rows: list[dict[str, str]] = []
+    message: list[str] = []
+    for line in lines:
+        if line.strip() == "---":
+            rows.append(_read_message(message))
+            message = []
+        else:
+            message.append(line)
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return [",".join(names), *(",".join(row.get(name, "") for name in names) for row in rows)]
+
+
+def _read_message(lines: Sequence[str]) -> dict[str, str]:
+    """The entries of a printed message by their path, those of lists by the names beside them or their number."""
+    path: list[tuple[int, str]] = []
+    lists: dict[str, list[str]] = {}
+    entries: dict[str, str] = {}
+    for line in lines:
+        match = _ENTRY.match(line)
+        if match is None:
+            continue
+        indent, key, value = len(match.group(1)), match.group(2), match.group(3).strip("'\" ")
+        if key is None:
+            lists.setdefault(".".join(name for _, name in path), []).append(value)
+            continue
+        path = [*(one for one in path if one[0] < indent), (indent, key)]
+        name = ".".join(one for _, one in path)
+        if value.startswith("["):
+            lists[name] = [one.strip("'\" ") for one in value.strip("[]").split(",")]
+        elif value:
+            entries[name] = value
+    named = lists.pop("name", [])
+    for field, values in lists.items():
+        of = named if len(named) == len(values) else []
+        entries |= {f"{of[k]}/{field}" if of else f"{field}:{k + 1}": value for k, value in enumerate(values)}
+    return {name: value for name, value in entries.items() if "," not in value}
+
+
+def _tabulate_metrics(lines: Sequence[str]) -> list[str] | None:
+    """Rows of time, metric and value; None where the lines are no samples of Prometheus."""
+    first = [line for line in lines[:FIRST_LINES] if line.strip() and not is_comment(line)]
+    if not first or sum(_METRIC.match(line) is not None for line in first) < _MOSTLY * len(first):
+        return None
+    rows = ["time [ms],metric,value"]
+    for line in lines:
+        sample = _METRIC.match(line)
+        if sample is not None:
+            name, labels, value, stamp = sample.groups()
+            joint = _JOINT_LABEL.search(labels or "")
+            rows.append(f"{stamp},{joint.group(1) + '/' if joint else ''}{name},{value}")
+    return rows
+
+
+def _tabulate_arrived(lines: Sequence[str]) -> list[str] | None:
+    """The lines behind the times at which they arrived, with these as a last column; None where they have none."""
+    first = [line for line in lines[:FIRST_LINES] if line.strip()]
+    if not first or sum(_ARRIVED.match(line) is not None for line in first) < _MOSTLY * len(first):
+        return None
+    arrived = [match.groups() for line in lines if (match := _ARRIVED.match(line))]
+    layout = find_layout([rest for _, rest in arrived[:FIRST_LINES]])
+    if layout is None or not layout.names:
+        return None
+    mark = layout.delimiter or " "
+    return [
+        f"{rest}{mark}{'arrived_time' if number == layout.names_line else stamp}"
+        for number, (stamp, rest) in enumerate(arrived)
+        if number >= layout.names_line
+    ]
+
+
+def _without_units(lines: Sequence[str], layout: TextLayout) -> list[str] | None:
+    """The table with bare numbers in place of cells such as `12.3°`; None where there are none.
+
+    They are in SI where the name of the column states no unit, because programs that write the unit into the cell
+    choose it by the size of the number; else they are left as they are.
+    """
+    row = split_cells(lines[layout.rows_line], layout.delimiter) if layout.rows_line < len(lines) else []
+    measured = [k for k, cell in enumerate(row) if read_measured(cell)]
+    if not measured or not layout.delimiter:
+        return None
+    said = [bool(find_unit_words(name, -1)) for name in layout.names]
+    plain = [_join(layout.names, layout.delimiter)]
+    for line in lines[layout.rows_line :]:
+        if line.strip() and not is_comment(line):
+            cells = split_cells(line, layout.delimiter)
+            for k in measured:
+                if k < min(len(cells), len(said)):
+                    cells[k] = _as_number(cells[k], layout.decimal, as_written=said[k])
+            plain.append(_join(cells, layout.delimiter))
+    return plain
+
+
+def _as_number(cell: str, decimal: str, *, as_written: bool) -> str:
+    found = read_measured(cell)
+    if found is None:
+        return cell
+    number, factor, offset = found
+    return number if as_written else repr(factor * parse_number(number, decimal) + offset)
+
+
+def _join(cells: Sequence[str], mark: str) -> str:
+    """A line of these cells."""
+    return mark.join('"' + cell.replace('"', '""') + '"' if '"' in cell or mark in cell else cell for cell in cells)
