@@ -20,6 +20,7 @@ from fricomp.recording.named.source import explain_unnamed, read_layout, read_na
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources.text import read_lines
 from fricomp.recording.unit import find_unit
+from fricomp.recording.unit_word import UNKNOWN_UNIT
 
 __all__ = ["FrictionTable", "is_friction_table", "read_friction_table"]
 
@@ -55,9 +56,11 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
         return False
     if set(_REQUIRED) <= set(columns) and "position" not in columns and not find_stamps(columns):
         return True
-    names = read_layout(Path(path)).names
+    layout = read_layout(Path(path))
+    names = layout.names
     if not names:
-        named = re.search(r"[^\W\d_eE]", " ".join(columns)) is not None  # a header that does not fit its rows
+        letters = re.search(r"[^\W\d_eE]", " ".join(columns)) is not None
+        named = letters and layout.rows_line > 0  # a header that does not fit its rows
         raise RecordingError(_explain_header(path, columns) if named else explain_unnamed(Path(path)))
     said = {meaning.channel for meaning in map(read_column_name, names) if meaning is not None}
     if find_stamps(names) or "position" in said or "motor_position" in said:
@@ -104,8 +107,8 @@ def _read_named(path: Path) -> FrictionTable:
 
 def _in_si(path: Path, columns: Mapping[str, FloatArray], one: tuple[str, ColumnMeaning]) -> FloatArray:
     name, meaning = one
-    if meaning.unit == RAW_UNIT:
-        raise RecordingError(f"{path}: {name!r} is in units of a device: write it in N·m, N or A")
+    if meaning.unit in (RAW_UNIT, UNKNOWN_UNIT):
+        raise RecordingError(f"{path}: {name!r} is in units of a device, or in one that is not known: write it in SI")
     return columns[name] * (find_unit(meaning.unit).factor if meaning.unit else 1.0)
 
 
@@ -144,6 +147,10 @@ def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
         advice = "separate the columns of the rows by the same mark as the names"
     elif {"time", *_REQUIRED} & {name.lower() for name in columns}.difference(columns):
         advice = "write the names in lower case"
+    elif any(meaning is not None for meaning in map(read_column_name, columns)):
+        advice += (
+            f"; where its rows come at an even rate, say it: 'fricomp convert {path} --row-rate 500 --out joint.csv'"
+        )
     return (
         f"{path} has the header {','.join(columns)[:80]!r}: a table of friction points has velocity,torque, a "
         f"recording time,position,torque; {advice}"

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import errno
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Annotated
@@ -51,6 +52,7 @@ COMMANDS = {
 EXIT_ERROR = 2
 EXIT_INTERRUPTED = 130
 
+_usual_format = warnings.formatwarning
 # A write into a file that is open already says no file name.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
@@ -85,6 +87,7 @@ def run() -> None:
     1 means that everything was done and the answer is no: `identify` (not usable), `diagnose` (bad data), `check-loop`
     (not safe), `adapter check` (a step failed), `bench adapters` (a target was missed).
     """
+    warnings.formatwarning = _format_warning
     try:
         with watch_reading(_show_reading):
             app()
@@ -103,6 +106,15 @@ def run() -> None:
         if error.errno not in _OF_THE_DISK:
             raise
         _fail(f"a file could not be written: {error.strerror}")
+
+
+def _format_warning(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
+) -> str:
+    """A warning of this package as a sentence; others with the place in the code that they are from."""
+    if category.__module__.startswith("fricomp."):
+        return f"{message}\n"
+    return _usual_format(message, category, filename, lineno, line)
 
 
 @contextmanager

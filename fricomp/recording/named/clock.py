@@ -148,6 +148,11 @@ def _explain_nameless(path: Path, columns: Mapping[str, Samples]) -> str:
             f'{path} is bare numbers, which do not say how many columns they are: write format = "binary", dtype and '
             "columns under [source] of a mapping, and the channels below (docs/recordings.md), and give it by --mapping"
         )
+    if not columns:
+        return (
+            f"{path} holds no columns of numbers under names: give a table, or an object, with a list of numbers for "
+            "each of time, position and torque"
+        )
     return (
         f"{path} has columns whose names do not say what they hold: {list_names(columns)}. Let 'fricomp convert {path} "
         "--inspect --out log.toml' propose a mapping by what the numbers do, correct it, and give it by --mapping "

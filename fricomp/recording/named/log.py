@@ -149,7 +149,8 @@ def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen)
     motors = [own["motor_position"][0] for own in chosen.values() if "motor_position" in own and "position" not in own]
     if motors:
         return (
-            f"{path} has the position of a motor alone, {motors[0]!r}: say --channel position={motors[0]} where there "
+            f"{path} has the position of a motor alone, {motors[0]!r}: say --channel "
+            f"{shlex.quote(f'position={motors[0]}')} where there "
             f"is no gear; else write position = {{ column = {motors[0]!r}, scale = 1/RATIO }} in a mapping, and "
             "scale = RATIO for a motor's torque (docs/recordings.md)"
         )

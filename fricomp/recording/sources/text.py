@@ -103,7 +103,8 @@ def find_encoding(path: Path) -> str:
     for mark, encoding in _MARKED.items():
         if start.startswith(mark):
             return encoding
-    texts = {encoding: text for encoding in _ENCODINGS if "\0" not in (text := _decode(start, encoding) or "\0")}
+    decoded = {encoding: _decode(start, encoding) for encoding in _ENCODINGS}
+    texts = {encoding: text for encoding, text in decoded.items() if text is not None and "\0" not in text}
     if not texts:
         raise RecordingError(f"{path} is no text file: name its format in a mapping, or give another file")
     return "utf-8" if "utf-8" in texts else max(texts, key=lambda encoding: _count_words(texts[encoding]))

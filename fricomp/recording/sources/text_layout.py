@@ -253,7 +253,8 @@ def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Headin
 def _choose_names(headings: Sequence[_Heading], layout: TextLayout) -> TextLayout:
     """The layout with its names: the line with the most words for a quantity, of several the one nearest to the rows.
 
-    Lines of units, of remarks and of numbers of channels stand above and below it.
+    Lines of units, of remarks and of numbers of channels stand above and below it. A comment has the names only where
+    no other line has a word for a quantity.
 
     Args:
         headings: Lines above the rows, the nearest first.
@@ -261,7 +262,8 @@ def _choose_names(headings: Sequence[_Heading], layout: TextLayout) -> TextLayou
     """
     units = next((one for one in headings if any(one.cells) and all(map(_is_unit, one.cells))), None)
     others = [one for one in headings if one is not units] or headings[:1]
-    line = max(others, key=lambda one: (count_known(one.cells), not one.is_comment))
+    known = {one.number: count_known(one.cells) for one in others}
+    line = max(others, key=lambda one: (not one.is_comment and known[one.number] > 0, known[one.number]))
     said = units.cells if units is not None and units is not line else []
     pairs = itertools.zip_longest(line.cells, said[: len(line.cells)], fillvalue="")
     names = tuple(_with_unit(name, unit) for name, unit in pairs)

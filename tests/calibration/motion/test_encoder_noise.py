@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
 from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
@@ -40,3 +41,25 @@ def test_inertia_and_lag_hold_the_truth(bits: int, viscous: float) -> None:
     assert abs(np.mean(of_inertia)) < 1.0
     assert abs(np.mean(of_lag)) < 1.0
     assert np.max(np.abs(of_inertia)) < 3.0
+
+
+def _identify_constant_speeds(seed: int) -> MotionIdentification:
+    """The same at constant speeds, as of a friction test: the steps of the encoder are lines, and no white noise."""
+    rng, inertia, rate = np.random.default_rng(seed), 0.004, 200.0
+    t = np.arange(0.0, 25.0, 1.0 / rate)
+    fractions = np.repeat([0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0], 2) * rng.uniform(0.9, 1.1, 14)
+    wanted = 6.0 * np.where(np.arange(14) % 2, -1.0, 1.0) * fractions
+    velocity = gaussian_filter1d(wanted[(14.0 * t / t[-1]).astype(int).clip(0, 13)], 0.02 * rate)
+    position, acceleration = np.cumsum(velocity) / rate, np.gradient(velocity, t)
+    count = 2.0 * np.pi / 2**12
+    read = np.round(position / count + rng.uniform()) * count
+    torque = inertia * acceleration + 0.05 * velocity + 0.35 * np.sign(velocity)
+    recording = Recording(t, read, torque + 3.5e-3 * rng.normal(size=t.size))
+    settings = choose_settings(recording)
+    return identify_motion(sample_joint(recording, settings), settings, law="coulomb_viscous")
+
+
+def test_an_inertia_that_constant_speeds_do_not_show_is_not_told_as_sure() -> None:
+    bodies = [_identify_constant_speeds(seed).rigid_body for seed in range(6)]
+    off = [(one.inertia - 0.004) / one.standard_deviations[0] for one in bodies]
+    assert np.max(np.abs(off)) < 3.0

@@ -212,7 +212,10 @@ def test_a_column_that_is_chosen_keeps_the_unit_in_its_name(tmp_path: Path) -> N
     assert read_content(path, channels={"torque": "IL.FB (Arms)"}).recording.metadata.torque_unit == "A"
 
 
-@pytest.mark.parametrize("above", [["my robot run", "# t q tau"], ["# time position torque", "a b c"]])
+@pytest.mark.parametrize(
+    "above",
+    [["my run", "# t q tau"], ["# time position torque", "a b c"], ["# date: position torque", "t q tau"]],
+)
 def test_the_line_with_the_most_known_words_names_the_columns(above: list[str], tmp_path: Path) -> None:
     recording = read_content(write(tmp_path / "log.txt", above + fill("{t:.6f} {q:.9f} {u:.9f}", POSITION))).recording
     assert recording.torque == pytest.approx(TORQUE, abs=1e-6)
