@@ -230,7 +230,8 @@ def _weigh_late_action(
 
     From there the base may move it back, so that a lag which looks like a delay from afar is found as one; and a lag
     that is named may be a delay, as may what bends a base whose own delay is at its bound, where that takes no other
-    names.
+    names. Where the torque need not act late after all, the search has only begun elsewhere, and may name what it
+    finds.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
     acts_late = find_late_action(given.recordings, usual)
@@ -243,20 +244,24 @@ def _weigh_late_action(
     _report(progress, "searching with the torque where it acts")
     base = _choose_base(given, SETTINGS.draws, acts_late)
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
-    if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer[1])):
-        return answer
     late = name_late_action(findings)
-    return findings, verdict if late.parameters["delay"].ci95[0] <= usual else join_channels(verdict, [late])
+    is_late = late.parameters["delay"].ci95[0] > usual
+    if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
+        return answer
+    return findings, join_channels(verdict, [late]) if is_late else verdict
 
 
 def _leaves_less(moved: Verdict, before: Verdict) -> bool:
     return moved.held.rmse_after <= before.held.rmse_after
 
 
-def _completes(moved: Verdict, before: Verdict) -> bool:
-    """Whether a late torque needs no names but those that were there without it, and makes the error fall clearly."""
+def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
+    """Whether the error falls clearly, and a late torque needs no names but those that were there without it; others
+    may come where none is late, and the rows left something unknown."""
+    findings, before = answer
     names, known = ({effect.name for effect in one.effects} for one in (moved, before))
-    return names <= known and moved.held.rmse_after < (1.0 - SETTINGS.late_fall) * before.held.rmse_after
+    allowed = names <= known or (findings.unknown and not is_late and moved.word != "unknown_physics")
+    return allowed and moved.held.rmse_after < (1.0 - SETTINGS.late_fall) * before.held.rmse_after
 
 
 def _choose_base(given: Given, draws: int, acts_late: float = 0.0) -> Callable[..., Baseline]:
