@@ -1,4 +1,4 @@
-"""A stop or bumper at one end of the range."""
+"""A stop or bumper at one end of the range, or at both."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Parts, Term, require, require_finite, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Scalar, Term, require, require_finite, require_nonnegative
 
 __all__ = ["EndStop"]
 
@@ -17,11 +17,14 @@ __all__ = ["EndStop"]
 class EndStop(Term):
     """side max(k d + c side v, 0) beyond the edge, with d = side (q - q_e): it pushes back and never pulls.
 
+    A like stop at the other end acts from d = -travel on, the other way.
+
     Attributes:
         stiffness: k [N·m/rad] or [N/m].
         edge: q_e, where it begins to act [rad] or [m].
         side: 1 for the upper end, -1 for the lower one.
         damping: c [N·m·s/rad] or [N·s/m].
+        travel: Free way to a like stop at the other end [rad] or [m]; 0 where there is none.
     """
 
     name: ClassVar[str] = "end_stop"
@@ -30,20 +33,29 @@ class EndStop(Term):
         "edge": "{position}",
         "side": "1",
         "damping": "{torque}·s/{position}",
+        "travel": "{position}",
     }
 
     stiffness: float
     edge: float
     side: float
     damping: float = 0.0
+    travel: float = 0.0
 
     def __post_init__(self) -> None:
         require_finite(self, "edge")
-        require_nonnegative(self, "stiffness", "damping")
+        require_nonnegative(self, "stiffness", "damping", "travel")
         require(self.side in (1.0, -1.0), f"side must be 1 or -1, got {self.side!r}")
 
     def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        depth = np.maximum(self.side * (point.position - self.edge), 0.0)
-        pushed = self.stiffness * depth + np.where(depth > 0.0, self.damping * self.side * point.velocity, 0.0)
-        return Parts(held=self.side * np.maximum(pushed, 0.0))
+        depth, speed = self.side * (point.position - self.edge), self.side * point.velocity
+        push = self._push(depth, speed)
+        if self.travel > 0.0:
+            push = push - self._push(-depth - self.travel, -speed)
+        return Parts(held=self.side * push)
+
+    def _push(self, depth: Scalar, speed: Scalar) -> Scalar:
+        """Torque against going deeper, nothing outside."""
+        damped = np.where(depth > 0.0, self.damping * speed, 0.0)
+        return np.maximum(self.stiffness * np.maximum(depth, 0.0) + damped, 0.0)

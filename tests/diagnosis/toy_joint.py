@@ -34,8 +34,9 @@ class ToyJoint:
     gains: tuple[float, float] = (900.0, 30.0)
     delay_samples: int = 0
     limit: float = 1e9
-    stop: tuple[float, float, float] = (0.0, 0.0, 1e9)
-    """Stiffness [N·m/rad], damping [N·m·s/rad] and edge [rad] of a stop at the upper end."""
+    stop: tuple[float, float, float, float] = (0.0, 0.0, 1e9, 2e9)
+    """Stiffness [N·m/rad], damping [N·m·s/rad] and edge [rad] of a stop at the upper end, and the free way [rad] to a
+    like one at the lower end."""
 
 
 @numba.njit(cache=True)
@@ -70,6 +71,8 @@ def _run(ref: FloatArray, vref: FloatArray, aref: FloatArray, p: FloatArray, sub
             pull = p[21] * ((x - p[22]) + p[23] * (x - p[22]) ** 3)
             if x > p[27]:
                 pull += max(p[25] * (x - p[27]) + p[26] * w, 0.0)
+            if x < p[27] - p[28]:
+                pull += min(p[25] * (x - p[27] + p[28]) + p[26] * w, 0.0)
             w += h * (tau - load - off - fr - p[15] * np.sin(p[16] * x) - pull) / J
             x += h * w
     return out

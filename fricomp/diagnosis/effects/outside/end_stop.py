@@ -1,4 +1,4 @@
-"""A stop or bumper at the end of the range."""
+"""A stop or bumper at the end of the range, or at both ends."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from fricomp.laws import EndStop as EndStopTerm
 from fricomp.laws import Term
 
+from ...inputs.track import FloatArray
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
@@ -17,11 +18,12 @@ from ..effect import Effect, EffectParameter, Values, register
 
 @register
 class EndStop(Effect):
-    """tau = (k (q - q_max) + c v)_+ beyond q_max. A stop dissipates by c, and pushes only."""
+    """tau = (k (q - q_max) + c v)_+ beyond q_max. A stop dissipates by c, and pushes only. A like one may stand at the
+    other end; where nothing meets it, the way to it is the range."""
 
     name = "end_stop"
     kind = "physics"
-    equation = "tau = max(k (q - q_max) + c v, 0) beyond q_max"
+    equation = "tau = max(k (q - q_max) + c v, 0) beyond q_max; the like at the other end"
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
@@ -36,37 +38,63 @@ class EndStop(Effect):
     """Largest part of the samples and of the range in which it may act, since a stop is at the end of the range."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        scale = contexts[0].scale
+        scale, (low, high) = contexts[0].scale, _find_range(contexts)
+        span = high - low
         return (
             EffectParameter("stiffness", "{torque}/{position}", scale),
             EffectParameter("damping", "{torque}·s/{position}", self.usual_time * scale, 0.0, null=0.0),
             EffectParameter("edge", "{position}", self.edge_step, linear=False),
             EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
+            EffectParameter(
+                "travel", "{position}", self.edge_step, (1.0 - 2.0 * self.widest) * span, span, linear=False, null=span
+            ),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         low, high = _find_range(contexts)
         span = high - low
-        upper = [{"edge": high - f * span, "side": 1.0} for f in self.edges]
-        return upper + [{"edge": low + f * span, "side": -1.0} for f in self.edges]
+        upper = [{"edge": high - f * span, "side": 1.0, "travel": span} for f in self.edges]
+        lower = [{"edge": low + f * span, "side": -1.0, "travel": span} for f in self.edges]
+        both = [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - 2.0 * f) * span} for f in self.edges]
+        return upper + lower + both
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        side = values["side"]
-        depth = np.maximum(side * (context.position - values["edge"]), 0.0)
-        pushed = values["stiffness"] * depth + values["damping"] * side * context.quick_velocity * (depth > 0.0)
-        return Contribution(additive=side * np.maximum(pushed, 0.0))
+        torque = sum(
+            side * self._push(side * (context.position - edge), side * context.quick_velocity, values)
+            for side, edge in _list_edges(values)
+        )
+        return Contribution(additive=np.asarray(torque))
+
+    def _push(self, depth: FloatArray, speed: FloatArray, values: Values) -> FloatArray:
+        pushed = values["stiffness"] * np.maximum(depth, 0.0) + values["damping"] * speed * (depth > 0.0)
+        return np.maximum(pushed, 0.0)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["stiffness"] <= 0.0:
             return "the stop would pull outwards"
-        inside = [np.mean(values["side"] * (c.position - values["edge"]) > 0.0) for c in contexts]
         low, high = _find_range(contexts)
-        reach = high - values["edge"] if values["side"] > 0.0 else values["edge"] - low
-        widest = max(float(np.mean(inside)), reach / (high - low))
+        widest = 0.0
+        for side, edge in _list_edges(values):
+            inside = np.mean([np.mean(side * (c.position - edge) > 0.0) for c in contexts])
+            widest = max(widest, float(inside), _measure_reach(side, edge, contexts) / (high - low))
         return "it would act over more than a third of the range" if widest > self.widest else None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        return EndStopTerm(values["stiffness"], values["edge"], values["side"], values["damping"])
+        _, (side, other) = _list_edges(values)
+        travel = values["travel"] if _measure_reach(side, other, contexts) > 0.0 else 0.0
+        return EndStopTerm(values["stiffness"], values["edge"], values["side"], values["damping"], travel)
+
+
+def _list_edges(values: Values) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Side and edge of the stop, and of the like one at the other end."""
+    side, edge = values["side"], values["edge"]
+    return (side, edge), (-side, edge - side * values["travel"])
+
+
+def _measure_reach(side: float, edge: float, contexts: Sequence[Context]) -> float:
+    """How far the recordings go beyond an edge [rad] or [m]."""
+    low, high = _find_range(contexts)
+    return high - edge if side > 0.0 else edge - low
 
 
 def _find_range(contexts: Sequence[Context]) -> tuple[float, float]:
