@@ -40,7 +40,7 @@ def _explain_refusal(findings: Findings, one: Explanation) -> str:
         return FOREIGN_CURVE
     against = findings.trial.objections
     if chosen is not one and set(one.names) & set(against):
-        return "; ".join(f"{name} {against[name]}" for name in one.names if name in against)
+        return "; ".join(f"{name}: {against[name]}" for name in one.names if name in against)
     if one is findings.trial.failed:
         return "does not make the held-out error fall for sure"
     if chosen is None:

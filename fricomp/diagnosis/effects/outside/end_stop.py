@@ -30,6 +30,9 @@ class EndStop(Effect):
     edges: ClassVar[tuple[float, ...]] = (0.02, 0.06, 0.12, 0.2)
     """Distances from the ends of the range, in that range, at which a fit looks for the edge of a stop. They lie closer
     at the ends, where a hard stop is met for a short way only."""
+    met: ClassVar[float] = 0.01
+    """Part of the range in which a fit begins with a stop at the other end as well: one that nothing meets gives it no
+    slope, and would stay out."""
     edge_step: ClassVar[float] = 0.02
     """Change of an edge that matters [rad] or [m]."""
     usual_time: ClassVar[float] = 0.02
@@ -53,8 +56,8 @@ class EndStop(Effect):
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         low, high = _find_range(contexts)
         span = high - low
-        upper = [{"edge": high - f * span, "side": 1.0, "travel": span} for f in self.edges]
-        lower = [{"edge": low + f * span, "side": -1.0, "travel": span} for f in self.edges]
+        upper = [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - f - self.met) * span} for f in self.edges]
+        lower = [{"edge": low + f * span, "side": -1.0, "travel": (1.0 - f - self.met) * span} for f in self.edges]
         both = [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - 2.0 * f) * span} for f in self.edges]
         return upper + lower + both
 
