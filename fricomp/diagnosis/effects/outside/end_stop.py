@@ -56,10 +56,12 @@ class EndStop(Effect):
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         low, high = _find_range(contexts)
         span = high - low
-        upper = [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - f - self.met) * span} for f in self.edges]
-        lower = [{"edge": low + f * span, "side": -1.0, "travel": (1.0 - f - self.met) * span} for f in self.edges]
-        both = [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - 2.0 * f) * span} for f in self.edges]
-        return upper + lower + both
+        starts = []
+        for f in self.edges:
+            far = (-f, self.met, f)  # at the other end: beyond the range, at its end, and where it is here
+            starts += [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - f - g) * span} for g in far]
+            starts += [{"edge": low + f * span, "side": -1.0, "travel": (1.0 - f - g) * span} for g in far[:2]]
+        return starts
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         torque = sum(
