@@ -231,11 +231,12 @@ def test_a_stop_is_at_an_end_of_the_range_however_seldom_the_joint_is_there(cont
     seldom = np.full(context.position.size, 0.1)
     seldom[:40] = np.linspace(-1.0, 1.0, 40)
     at = replace(context, position=seldom)
-    stop = {"stiffness": 5.0, "side": 1.0}
+    stop = {"stiffness": 5.0, "side": 1.0, "travel": 2.0}
     assert EFFECTS["end_stop"].refuse(stop | {"edge": 0.7}, [at]) is None
     assert EFFECTS["end_stop"].refuse(stop | {"edge": 0.2}, [at])
     assert EFFECTS["end_stop"].refuse(stop | {"side": -1.0, "edge": -0.7}, [at]) is None
     assert EFFECTS["end_stop"].refuse(stop | {"side": -1.0, "edge": -0.2}, [at])
+    assert EFFECTS["end_stop"].refuse(stop | {"edge": 0.7, "travel": 0.9}, [at])
 
 
 def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> None:
