@@ -57,6 +57,8 @@ _LAG_STEPS = 6
 """Times that the lag of the torque is taken off anew, at most; two or three are enough for 20 ms."""
 _LAG_SETTLED = 0.1
 """Step of the lag that is too small to take, in its standard deviations."""
+_NO_WORSE = 1.1
+"""Residual after a lag was taken off over that before it, above which the lag was none: jumps ring in both slopes."""
 _LENGTHS = tuple(np.geomspace(1e-5, 0.01, 13).tolist())
 """Lengths of presliding to try, as fractions of the range of the motion; four of the last are 4 % of the range."""
 _SETTLED = 4.0
@@ -273,8 +275,20 @@ def _fit_aligned(
         if fit.lag.step < _LAG_SETTLED or lag == fit.lag.taken_off:
             break
         aligned = replace(samples, torque=samples.recorded.torque_after(lag))
-        fit = _fit_sliding(aligned, settings, rows, law, options, lag)
+        later = _fit_sliding(aligned, settings, rows, law, options, lag)
+        if later.rigid.residual > _NO_WORSE * fit.rigid.residual:
+            return _with_unknown_lag(fit, settings)
+        fit = later
     return fit
+
+
+def _with_unknown_lag(fit: _SlidingFit, settings: RegressionSettings) -> _SlidingFit:
+    """The fit where its motion tells no lag: that is what was taken off, as uncertain as before the motion was seen."""
+    lag = replace(fit.lag, value=fit.lag.taken_off, deviation=fit.lag.unknown)
+    together = fit.together(fit.found)
+    together = together._replace(covariance=lag.widen(together.covariance))
+    has_offset = fit.columns.shape[1] > (3 if settings.gravity else 1)
+    return replace(fit, lag=lag, rigid=_with_body(fit.rigid, together, settings.gravity, has_offset=has_offset))
 
 
 def _fit_sliding(

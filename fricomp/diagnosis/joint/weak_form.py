@@ -72,9 +72,11 @@ def estimate_plants(
     rows = [_build_rows(track, width, rest_speed) for track in tracks]
     joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
     if joined.torque.size < 20:
+        needed = max(2 * _measure_margin(track, width) * track.dt for track in tracks)
         raise DiagnosisError(
-            f"the joint hardly ever slides faster than {rest_speed:g} rad/s (or m/s) for {width:g} s on end: "
-            "record a faster motion"
+            f"the joint hardly ever slides faster than {rest_speed:g} rad/s (or m/s) in one direction for "
+            f"{needed:.2g} s on end: record a faster motion, or where it moves in jumps, such as steps of a reference, "
+            "one that goes on for longer in one direction"
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
     sprung = WeakRows(*(part[keep] for part in joined))
@@ -105,15 +107,25 @@ def _fit_falls(rows: WeakRows, rest_speed: float, known: RigidJoint | None) -> t
     return falls, _solve(falls, rows, known)[0]
 
 
+def _count_window(track: Track, width: float) -> int:
+    """Samples of a window [s] of the test function, an odd number."""
+    return max(5, 2 * round(width / track.dt / 2) + 1)
+
+
+def _measure_margin(track: Track, width: float) -> int:
+    """Samples on both sides of a row's centre in which the joint has to slide: half the window, and the filters'."""
+    return _count_window(track, width) // 2 + max(3, round(0.021 / track.dt))
+
+
 def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
-    length = max(5, 2 * round(width / track.dt / 2) + 1)
+    length = _count_window(track, width)
     s = (np.arange(length) + 1.0) / (length + 1)
     phi = 0.5 - 0.5 * np.cos(2 * np.pi * s)
     span = (length + 1) * track.dt
     curvature = 2 * np.pi**2 / span**2 * np.cos(2 * np.pi * s)
     total = phi.sum()
     moving = np.abs(track.velocity) > rest_speed
-    margin = length // 2 + max(3, round(0.021 / track.dt))
+    margin = _measure_margin(track, width)
     ok = np.zeros(track.size, dtype=bool)
     for sign in (1.0, -1.0):
         ok |= binary_erosion(moving & (np.sign(track.velocity) == sign), np.ones(2 * margin + 1))

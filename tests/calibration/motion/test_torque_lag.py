@@ -44,3 +44,23 @@ def test_a_loop_on_a_coarse_encoder_makes_no_lag(bits: int, lag: float) -> None:
         assert found.friction.parameters["viscous.viscous_coefficient"] == pytest.approx(_VISCOUS, rel=0.01)
     assert abs(np.mean(errors)) < 1.5  # standard deviations; with the loop's answer to the encoder in it, 3 to 6
     assert np.max(np.abs(errors)) < 3.0
+
+
+def test_jumps_that_tell_no_lag_leave_it_unknown() -> None:
+    """Steps of a reference: most of the torque is a pulse of some milliseconds, which rings in both slopes."""
+    rng, rate, inertia = np.random.default_rng(4), 500.0, 0.08
+    t = np.arange(0.0, 40.0, 1.0 / rate)
+    position, velocity, acceleration = np.zeros((3, t.size))
+    for begin, size in zip(np.arange(0.9, 39.0, 0.9), np.diff(rng.uniform(-0.6, 0.6, 44)), strict=True):
+        since = np.maximum(t - begin, 0.0)
+        fast, slow = np.exp(-since / 0.008), np.exp(-since / 0.035)
+        scale = size / (0.035 - 0.008)
+        position += np.where(since > 0.0, size - scale * (0.035 * slow - 0.008 * fast), 0.0)
+        velocity += np.where(since > 0.0, scale * (slow - fast), 0.0)
+        acceleration += np.where(since > 0.0, scale * (fast / 0.008 - slow / 0.035), 0.0)
+    torque = inertia * acceleration + 0.7 * velocity + 2.2 * np.tanh(velocity / 0.01)
+    recording = Recording(t, position, torque + 0.02 * rng.normal(size=t.size))
+    settings = choose_settings(recording)
+    found = identify_motion(sample_joint(recording, settings), settings, law="coulomb_viscous")
+    assert abs(found.lag.value) < 3.0 * found.lag.deviation
+    assert abs(found.rigid_body.inertia - inertia) < 3.0 * found.rigid_body.standard_deviations[0]
