@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.ndimage import binary_opening
-from scipy.signal import butter, sosfiltfilt, sosfreqz
+from scipy.signal import butter, lfilter, sosfiltfilt, sosfreqz
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
@@ -140,6 +140,12 @@ class RecordedMotion:
             for t, torque in zip(at, self.torques, strict=True)
         ]
         return np.asarray(np.concatenate(shifted)[self.index])
+
+    def low_passed_torque(self, time_constant: float) -> FloatArray:
+        """The torque behind a low-pass of the first order with this time constant [s]. Shape (n,)."""
+        part = -np.expm1(-self.period / time_constant)
+        slow = [lfilter([part], [1.0, part - 1.0], one, zi=[one[0] * (1.0 - part)])[0] for one in self.torques]
+        return np.asarray(np.concatenate(slow)[self.index])
 
     def filtered_torque(self, model: FrictionModel) -> FloatArray:
         """Friction of `model` as the low-pass shows it at the samples [N·m] or [N]. Shape (n,)."""

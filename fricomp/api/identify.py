@@ -17,6 +17,7 @@ from fricomp.calibration.identification import IdentificationResult, fit_discrep
 from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.calibration.identification.exponent import FIXED_LAW, FREE_LAW, asks_for_exponent, is_shown
 from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
+from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_motion_filter
 from fricomp.calibration.motion.joint_samples import (
     RegressionSettings,
     choose_settings,
@@ -281,6 +282,9 @@ def _identify_recording(
         motion = doubt_for_spring(motion, sprung)
     elif left_out is not None:
         motion = doubt_for_gravity(motion, left_out, flag)
+    cutoff = None if one_way else find_motion_filter(samples, chosen, motion.lag.value)
+    if cutoff is not None:
+        motion = doubt_for_filter(motion, cutoff)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 
