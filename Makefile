@@ -1,13 +1,13 @@
 # Two commands, each enough on a fresh machine with Python 3.11 or newer, git and make:
 #   make calibrate   a simulated joint, from sweep to exported model, into runs/demo
-#   make test        the whole test suite
-# And for work on it: make lint, make docs (the site), make lock, make clean.
+#   make test        the test suite, in some ten minutes
+# And for work on it: make test-slow (the tests that take long), make lint, make docs (the site), make lock, make clean.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
 
-.PHONY: calibrate test lint docs lock clean
+.PHONY: calibrate test test-slow lint docs lock clean
 
 $(VENV)/installed: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "fricomp needs Python 3.11 or newer; name one: make PYTHON=python3.11"; exit 1; }
@@ -20,10 +20,13 @@ $(VENV)/installed: requirements.lock pyproject.toml
 calibrate: $(VENV)/installed
 	$(BIN)/fricomp calibrate --backend sim --out runs/demo --overwrite
 
-# The default part first: it is quick and finds most. Each worker takes neighbouring tests, so that what a module makes
-# for all of them is made once, and helps the other with its rest.
+# Each worker takes neighbouring tests, so that what a module makes for all of them is made once, and helps the other
+# with its rest.
 test: $(VENV)/installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m "not slow"
+
+# Whole diagnoses, soaks and sweeps of many cases: what the quick tests cannot show.
+test-slow: $(VENV)/installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m slow
 
 lint: $(VENV)/installed

@@ -91,6 +91,7 @@ def _move_at(speeds: list[float], seed: int, noise: float = 0.005) -> Recording:
     return Recording(time, position, noisy + 0.05 * np.gradient(velocity, time))
 
 
+@pytest.mark.slow
 def test_one_curve_of_both_directions_is_given_where_that_of_one_is_not_determined() -> None:
     found = fricomp.identify(_move_at([1.8, -0.06, 2.1, -0.15, 1.95, -0.3, 2.3, -0.1, 1.7, -0.9], 1, 0.06))
     assert found.is_usable, found.result.message
@@ -107,6 +108,7 @@ def test_a_motion_in_one_direction_gives_the_sum_of_friction_and_offset() -> Non
     assert found.parameters["coulomb.coulomb_torque"] == pytest.approx(0.5, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("little", "usable"), [(0.02, True), (1e-6, False)])
 def test_a_plain_law_that_leaves_little_is_taken_where_no_other_is_determined(
     little: float, usable: bool, monkeypatch: pytest.MonkeyPatch
@@ -118,6 +120,7 @@ def test_a_plain_law_that_leaves_little_is_taken_where_no_other_is_determined(
     assert any(note.startswith("Law: coulomb_viscous, which is close above") for note in found.notes) is usable
 
 
+@pytest.mark.slow
 def test_a_plainer_law_is_tried_where_a_second_basin_is_nearly_as_likely(monkeypatch: pytest.MonkeyPatch) -> None:
     def suspect(*args: Any, **options: Any) -> MotionIdentification:
         found = identify_motion(*args, **options)

@@ -38,6 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, drawn_charts: None) -> Path
     return root / "out"
 
 
+@pytest.mark.slow
 def test_one_table_of_all_joints_is_enough(tmp_path: Path) -> None:
     """Columns of lists, joints called by number: refused with the mapping to write, examined with it."""
     pyarrow = pytest.importorskip("pyarrow")

@@ -100,6 +100,7 @@ def test_bad_input_is_bad_data_and_never_a_name(
     assert not (out / "friction.json").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "says"),
     [

@@ -46,6 +46,7 @@ def test_friction_is_viscous_below_the_creep_velocity(speed: float, lead: float,
         assert _held(plant, speed, substeps)[-2] == pytest.approx(LEVEL * wanted, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("time", "kind", "rate"),
     [

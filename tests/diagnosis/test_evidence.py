@@ -135,6 +135,7 @@ def _covered(noise: FloatArray) -> float:
     return float(np.mean(held))
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_in_white_noise_and_in_what_leans_for_a_while() -> None:
     white = np.random.default_rng(5).standard_normal((300, 2500))
     assert 0.93 < _covered(white) < 0.99

@@ -46,6 +46,7 @@ def test_recovers_lugre_of_a_joint_solved_by_another_rule_and_seen_through_an_en
     assert np.max(np.abs(error) / deviation) < 4.0
 
 
+@pytest.mark.slow
 def test_deviations_of_dahl_hold_for_noise_that_grows_with_the_torque_and_is_correlated() -> None:
     velocity, time = _motion(8.0), DT * np.arange(8000)
     exact = simulate_bristle(np.array([[0.3, 50.0]]), velocity, DT)[:, 0]

@@ -74,6 +74,7 @@ def prediction_error(fit: MotionIdentification, samples: JointSamples, model: Fr
     return float(np.sqrt(np.mean(error**2) / np.mean(samples.torque**2)))
 
 
+@pytest.mark.slow
 @no_emps
 def test_bidirectional_stribeck_predicts_the_emps_pulse_test_better_than_coulomb_viscous() -> None:
     settings = RegressionSettings(torque_cutoff=20.0)

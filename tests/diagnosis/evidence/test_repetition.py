@@ -24,6 +24,7 @@ def loaded() -> tuple[Baseline, SearchResult]:
     return baseline, search(baseline)
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_there_comes_again(loaded: tuple[Baseline, SearchResult]) -> None:
     again = repeat_choice(*loaded)
     assert again.count == REPETITIONS.blocks + REPETITIONS.cuts
@@ -31,10 +32,12 @@ def test_an_effect_that_is_there_comes_again(loaded: tuple[Baseline, SearchResul
     assert again.nothing == 0
 
 
+@pytest.mark.slow
 def test_the_same_recording_gives_the_same_shares(loaded: tuple[Baseline, SearchResult]) -> None:
     assert repeat_choice(*loaded) == repeat_choice(*loaded)
 
 
+@pytest.mark.slow
 def test_each_part_leaves_out_a_fifth(loaded: tuple[Baseline, SearchResult]) -> None:
     parts = [rows for rows, _ in draw_parts(loaded[0])]
     assert all(abs(np.mean(~rows) - REPETITIONS.left_out) < 0.06 for rows in parts)
@@ -42,6 +45,7 @@ def test_each_part_leaves_out_a_fifth(loaded: tuple[Baseline, SearchResult]) -> 
     assert not parts[-1][-1]  # and the last one the end
 
 
+@pytest.mark.slow
 def test_refits_to_parts_stray_about_the_whole(loaded: tuple[Baseline, SearchResult]) -> None:
     baseline, found = loaded
     assert found.best is not None
@@ -51,6 +55,7 @@ def test_refits_to_parts_stray_about_the_whole(loaded: tuple[Baseline, SearchRes
     assert np.std(values) > 0.0
 
 
+@pytest.mark.slow
 def test_the_trial_tells_the_repetitions(loaded: tuple[Baseline, SearchResult]) -> None:
     trial = put_to_trial(*loaded, 0)
     assert trial.chosen is not None

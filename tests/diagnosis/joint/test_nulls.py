@@ -51,6 +51,7 @@ def row_size(problem: Problem, position: FloatArray, torque: FloatArray) -> floa
     return float(np.median(np.abs(np.diff(problem.grids[0].average(run.missing), 2))))
 
 
+@pytest.mark.slow
 def test_the_torque_of_an_answer_moves_the_joint() -> None:
     problem = problem_of()
     truth, torque, (answer, other) = answer_in(problem)

@@ -12,7 +12,14 @@ from fricomp.recording import Recording, RecordingMetadata
 from .slow_joint import COULOMB, INERTIA, VISCOUS, slow_log
 
 
-@pytest.mark.parametrize(("rate", "seed", "gravity"), [(50.0, 21, 0.0), (25.0, 22, 2.5), (12.5, 23, 0.0)])
+@pytest.mark.parametrize(
+    ("rate", "seed", "gravity"),
+    [
+        (50.0, 21, 0.0),
+        pytest.param(25.0, 22, 2.5, marks=pytest.mark.slow),
+        pytest.param(12.5, 23, 0.0, marks=pytest.mark.slow),
+    ],
+)
 def test_a_plain_joint_is_consistent_and_its_numbers_lie_in_their_intervals(
     rate: float, seed: int, gravity: float
 ) -> None:
@@ -27,6 +34,7 @@ def test_a_plain_joint_is_consistent_and_its_numbers_lie_in_their_intervals(
     assert any("fall between the samples" in sentence for sentence in record.sentences)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate", "seed", "load"), [(50.0, 31, 0.12), (20.0, 32, 0.2)])
 def test_friction_that_grows_with_the_load_is_named(rate: float, seed: int, load: float) -> None:
     diagnosis = diagnose(slow_log(rate, seed, gravity=3.5, load=load))
@@ -40,6 +48,7 @@ def test_friction_that_grows_with_the_load_is_named(rate: float, seed: int, load
     assert diagnosis.record.errors.after.torque.rms < 0.5 * diagnosis.record.errors.before.torque.rms
 
 
+@pytest.mark.slow
 def test_a_ripple_within_the_band_is_named() -> None:
     (effect,) = diagnose(slow_log(40.0, 41, ripple=(0.1, 7.0))).effects
     assert effect.name == "cogging"
@@ -56,6 +65,7 @@ def test_a_torque_that_is_stamped_late_is_a_measurement() -> None:
     assert low - 0.003 <= -0.07 <= high + 0.003 or low - 0.003 <= 0.07 <= high + 0.003
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ripple", "names"), [(0.0, []), (0.2, ["cogging"])])
 def test_a_motion_in_one_direction_names_what_depends_on_the_angle_alone(ripple: float, names: list[str]) -> None:
     t = np.arange(0.0, 80.0, 0.04)

@@ -159,6 +159,7 @@ def test_a_network_leaves_the_law_only_where_held_out_points_ask_for_it() -> Non
     assert np.sqrt(np.mean(error**2)) < 0.02
 
 
+@pytest.mark.slow
 def test_a_network_of_one_load_is_right_at_that_load_and_without_one() -> None:
     draw = PROBLEM.draw("relative", 0)
     found = identify(draw.velocity, draw.torque, 12.5, method="least_squares")
