@@ -86,6 +86,11 @@ class Context:
         """Velocity of the position, smoothed no longer than a contact lasts [rad/s]. Shape (n,)."""
         return differentiate(self.position, self.dt, EFFECT.quick_window)
 
+    @cached_property
+    def quick_acceleration(self) -> FloatArray:
+        """Acceleration of the position, smoothed no longer than a contact lasts [rad/s²]. Shape (n,)."""
+        return differentiate(self.quick_velocity, self.dt, EFFECT.quick_window)
+
     @property
     def stribeck_velocity(self) -> FloatArray:
         """Stribeck velocity of the direction of motion [rad/s]."""

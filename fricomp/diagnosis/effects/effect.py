@@ -76,8 +76,11 @@ class EffectParameter:
 
     def is_at_end(self, value: float) -> bool:
         """Whether a value stands where the search of it ends, in the solver's coordinates; its null is no such end."""
-        absent = self.null is not None and abs(value - self.null) < EFFECT.at_bound * self.scale
-        return (self.linear or self.searched) and self.touches_end(value) and not absent
+        return (self.linear or self.searched) and self.touches_end(value) and not self.is_null(value)
+
+    def is_null(self, value: float) -> bool:
+        """Whether a value is that at which the effect is not there."""
+        return self.null is not None and abs(value - self.null) < EFFECT.at_bound * self.scale
 
     def touches_end(self, value: float) -> bool:
         """Whether a value stands where its domain or the search of it ends, in the solver's coordinates."""

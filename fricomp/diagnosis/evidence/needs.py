@@ -87,8 +87,9 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
         if distance >= chi2.ppf(NEEDS.sure, len(linear) + len(others)):
             return ""
     quantities = refitted.list_parameters(name, "", "")
-    intervals = {p.name: quantities[p.name].ci95 for _, p in own}
-    held = {p.name: intervals[p.name][0] <= p.null <= intervals[p.name][1] for _, p in own if p.null is not None}
+    intervals = {name: quantity.ci95 for name, quantity in quantities.items()}
+    nulls = {p.name: p.null for _, p in own if p.null is not None and p.name in intervals}
+    held = {name: intervals[name][0] <= null <= intervals[name][1] for name, null in nulls.items()}
     if linear:
         return "its interval holds zero" if all(held.values()) else ""
     at = next((one.replace("_", " ") for one, holds in held.items() if holds), "")

@@ -78,11 +78,15 @@ class RefittedJoint:
         return not parameter.linear and parameter.touches_end(float(self.fit.theta[index]))
 
     def list_parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
-        """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
+        """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does.
+
+        What the recording does not reach is left out, such as a stop at the other end.
+        """
         result = {}
         for index, (owner, parameter) in enumerate(self.structure.parameters, N_BASE):
             value, deviation = self.fit.theta[index], self.deviations[index]
-            if owner != name:
+            nothing_there = not (parameter.linear or parameter.searched) and parameter.is_null(float(value))
+            if owner != name or nothing_there:
                 continue
             unit = _shorten_unit(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
             if parameter.with_delay:

@@ -18,12 +18,17 @@ from ..effect import Effect, EffectParameter, Values, register
 
 @register
 class EndStop(Effect):
-    """tau = (k (q - q_max) + c v)_+ beyond q_max. A stop dissipates by c, and pushes only. A like one may stand at the
-    other end; where nothing meets it, the way to it is the range."""
+    """tau = (k (q - q_max) + c v + m a)_+ beyond q_max. A stop dissipates by c, and pushes only.
+
+    A like one may stand at the other end, by the way to it; where nothing meets it, that is the range.
+
+    What moves with it weighs m. So does the joint at a limit of MuJoCo, which takes the share d of all other torques
+    away: it is J / (1 - d) heavy there. A law has no m.
+    """
 
     name = "end_stop"
     kind = "physics"
-    equation = "tau = max(k (q - q_max) + c v, 0) beyond q_max; the like at the other end"
+    equation = "tau = max(k (q - q_max) + c v + m a, 0) beyond q_max; the like at the other end"
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
@@ -46,6 +51,7 @@ class EndStop(Effect):
         return (
             EffectParameter("stiffness", "{torque}/{position}", scale),
             EffectParameter("damping", "{torque}·s/{position}", self.usual_time * scale, 0.0, null=0.0),
+            EffectParameter("inertia", "{torque}·s²/{position}", self.usual_time**2 * scale, 0.0, null=0.0),
             EffectParameter("edge", "{position}", self.edge_step, linear=False),
             EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
             EffectParameter(
@@ -64,15 +70,16 @@ class EndStop(Effect):
         return starts
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
+        v, a = context.quick_velocity, context.quick_acceleration
         torque = sum(
-            side * self._push(side * (context.position - edge), side * context.quick_velocity, values)
+            side * self._push(side * (context.position - edge), side * v, side * a, values)
             for side, edge in _list_edges(values)
         )
         return Contribution(additive=np.asarray(torque))
 
-    def _push(self, depth: FloatArray, speed: FloatArray, values: Values) -> FloatArray:
-        pushed = values["stiffness"] * np.maximum(depth, 0.0) + values["damping"] * speed * (depth > 0.0)
-        return np.maximum(pushed, 0.0)
+    def _push(self, depth: FloatArray, speed: FloatArray, growth: FloatArray, values: Values) -> FloatArray:
+        moved = values["damping"] * speed + values["inertia"] * growth
+        return np.maximum(values["stiffness"] * np.maximum(depth, 0.0) + moved * (depth > 0.0), 0.0)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["stiffness"] <= 0.0:
