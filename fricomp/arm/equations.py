@@ -25,6 +25,7 @@ from .friction import (
     Filled,
     column_names,
     find_columns,
+    find_stribeck_exponent,
     friction_columns,
     load_columns,
     plain_columns,
@@ -186,7 +187,8 @@ class ArmEquations:
         columns, first = self.columns.copy(), self._friction + find_columns("stribeck").start
         size = len(TERMS["stribeck"].columns)
         for j, k in np.argwhere(speeds != self.stribeck).tolist():
-            columns[j, :, first + size * k : first + size * (k + 1)] = stribeck_columns(rows, j, speeds[j, k])
+            curve = stribeck_columns(rows, j, speeds[j, k], find_stribeck_exponent(k))
+            columns[j, :, first + size * k : first + size * (k + 1)] = curve
         return replace(self, columns=columns, stribeck=speeds)
 
     def _fill(self, filled: Filled, values: Sequence[FloatArray]) -> ArmEquations:

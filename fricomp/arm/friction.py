@@ -1,8 +1,8 @@
 """What may act in one joint of an arm, as columns of its equations: linear in all parameters.
 
     F_c s + b + F_v v + D |v|                        every joint
-    (E s + D_e) exp(-(v/v_s)²)                       Stribeck effect
-    W_s 2 (v/v_s)² exp(-(v/v_s)²) s                  along v_s, which moves until W_s = E δv_s/v_s is next to none
+    (E s + D_e) exp(-|v/v_s|ⁿ)                       Stribeck effect, n = 2 or 1
+    W_s n |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s                  along v_s, which moves until W_s = E δv_s/v_s is next to none
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
@@ -37,6 +37,7 @@ __all__ = [
     "JointTerm",
     "column_names",
     "find_columns",
+    "find_stribeck_exponent",
     "friction_columns",
     "load_columns",
     "plain_columns",
@@ -51,6 +52,10 @@ PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
 """Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
 fits best."""
+
+_STRIBECK_EXPONENTS = (2.0, 1.0)
+"""Of the curves, each with all velocities: joints have either [armstrong1994]. In slow motion a wrong one turns into
+viscous friction and drag."""
 
 LEAST_STRIBECK, MOST_STRIBECK = 0.01, 0.6
 """Of a joint's top speed, between which a Stribeck velocity lies: below, no row shows it; above, it is drag."""
@@ -116,7 +121,12 @@ def _name_columns(term: JointTerm, variant: int) -> tuple[str, ...]:
 TERMS = {
     term.name: term
     for term in (
-        JointTerm("stribeck", ("excess", "excess_difference", "width"), _STRIBECK, filled="stribeck"),
+        JointTerm(
+            "stribeck",
+            ("excess", "excess_difference", "width"),
+            _STRIBECK * len(_STRIBECK_EXPONENTS),
+            filled="stribeck",
+        ),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance"),
         JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order"),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
@@ -159,6 +169,10 @@ class JointForm:
     def with_term(self, name: str, variant: int) -> JointForm:
         """This form with one term more."""
         return JointForm((*self.terms, (name, variant)))
+
+    def with_variant(self, name: str, variant: int) -> JointForm:
+        """This form with another variant of a term that it has."""
+        return JointForm(tuple((term, variant if term == name else k) for term, k in self.terms))
 
     def without_term(self, name: str) -> JointForm:
         """This form without a term, and without what mends the form of it."""
@@ -242,14 +256,19 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
     return np.column_stack([plain_columns(rows, joint), rows.compare(build), rows.compare_samples(warm)])
 
 
-def stribeck_columns(rows: ArmRows, joint: int, speed: float) -> FloatArray:
+def find_stribeck_exponent(variant: int) -> float:
+    """Exponent of the curve in one variant of the Stribeck effect."""
+    return _STRIBECK_EXPONENTS[variant // len(_STRIBECK)]
+
+
+def stribeck_columns(rows: ArmRows, joint: int, speed: float, exponent: float) -> FloatArray:
     """The Stribeck curve of one joint at a Stribeck velocity [rad/s] or [m/s]. Shape (n, 3)."""
 
     def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
         v = velocity[:, joint]
-        s, square = np.sign(v), (v / speed) ** 2
-        fall = np.exp(-square)
-        return np.stack([s * fall, fall, s * 2.0 * square * fall], axis=1)
+        s, power = np.sign(v), np.abs(v / speed) ** exponent
+        fall = np.exp(-power)
+        return np.stack([s * fall, fall, s * exponent * power * fall], axis=1)
 
     return rows.compare(build)
 

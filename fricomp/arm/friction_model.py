@@ -22,7 +22,7 @@ from fricomp.laws import (
 from fricomp.model import FrictionModel, Provenance, Validity
 
 from .arm_recording import find_start_temperature
-from .friction import TERMS
+from .friction import TERMS, find_stribeck_exponent
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
 
@@ -89,18 +89,19 @@ def _build_curves(
     """Forward and reverse curve, the constant torque in them as far as their levels stay positive."""
     level = max(values["coulomb"], 1e-9)
     offset = float(np.clip(values["offset"], -(1.0 - _LEAST_PART) * level, (1.0 - _LEAST_PART) * level))
-    speed, excess, difference = 1.0, 0.0, 0.0
+    speed, excess, difference, exponent = 1.0, 0.0, 0.0, 2.0
     if "stribeck" in form:
         names = TERMS["stribeck"].names(form["stribeck"])
         excess, difference, width = (values[name] for name in names)
         shift = float(np.clip(width / excess, *_SHIFTS)) if excess > 0.0 else 0.0
         speed = float(found.equations.stribeck[joint, form["stribeck"]]) * (1.0 + shift)
+        exponent = find_stribeck_exponent(form["stribeck"])
     curves = []
     for sign in (1.0, -1.0):
         coulomb = level + sign * offset
         static = max(coulomb + excess + sign * difference, _LEAST_PART * level)
         viscous = max(values["viscous"] + sign * values["viscous_difference"], 0.0)
-        curves.append(StribeckCurve(coulomb, static, speed, viscous))
+        curves.append(StribeckCurve(coulomb, static, speed, viscous, exponent))
     return curves[0], curves[1]
 
 

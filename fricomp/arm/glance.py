@@ -87,11 +87,21 @@ class Glance:
         at = self._find(model)
         away = (self._x[at] - mean) / deviation
         scaled = self._H[np.ix_(at, at)] * np.outer(deviation, deviation) + np.eye(at.size)
-        pull = deviation * self._g[at] - away
+        slope, loss = self._take_out(at)
+        pull = deviation * slope - away
         factors = lu_factor(scaled, check_finite=False)
         step = lu_solve(factors, pull, check_finite=False)
         volume = float(np.sum(np.log(np.abs(np.diag(factors[0])))))
-        return _Look(at, deviation, scaled, step, 0.5 * (float(pull @ step) - float(away @ away) - volume))
+        return _Look(at, deviation, scaled, step, 0.5 * (float(pull @ step) - float(away @ away) - volume) - loss)
+
+    def _take_out(self, at: NDArray[np.intp]) -> tuple[FloatArray, float]:
+        """Downward slope at some places, and half of what the squares grow by, with all that is elsewhere at none."""
+        out = np.setdiff1d(np.flatnonzero(self._x), at)
+        if not out.size:
+            return self._g[at], 0.0
+        gone = self._x[out]
+        turn = self._H[:, out] @ gone
+        return self._g[at] + turn[at], float(gone @ (self._g[out] + 0.5 * turn[out]))
 
     def _find(self, model: ArmModel) -> NDArray[np.intp]:
         """Places of a model's parameters among all."""

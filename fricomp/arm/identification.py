@@ -28,7 +28,7 @@ from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows, build_rows
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
-from .search.stribeck import refine_stribeck
+from .search.stribeck import hold_velocity, is_curve, refine_stribeck
 from .shared_delay import SharedDelay, measure_delay
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
@@ -248,11 +248,17 @@ def _try_out(
             (name, fit_arm(fit.arm, equations, other, prior, fit, steps=_count_steps(fit, other)))
             for name, other, _ in now
         ]
-        tried = [(name, one) for name, one in tried if is_physical(one, fit)]
+        tried = [(name, one) for name, one in tried if is_physical(one, fit) and _is_possible(one, fit)]
         if tried:
             return tried
         open_ones = [each for each in open_ones if each not in now]
     return []
+
+
+def _is_possible(one: ArmFit, before: ArmFit) -> bool:
+    """Whether a Stribeck curve that was added is one."""
+    pairs = enumerate(zip(one.model.forms, before.model.forms, strict=True))
+    return all(is_curve(one, j) for j, (form, old) in pairs if form != old and form.names[-1] == "stribeck")
 
 
 def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:
@@ -303,6 +309,7 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
         for term in TERMS.values() if arm.rotary[j] else ():
             for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
                 other = _with_form(model, j, form.with_term(term.name, variant))
+                other = hold_velocity(other, j) if term.filled == "stribeck" else other
                 yield f"{joint}: {term.name}", other
                 if term.replaces:
                     yield f"{joint}: {term.name}", replace(other, pinned=model.pinned | {(j, n) for n in term.replaces})

@@ -56,19 +56,26 @@ def test_the_torque_of_one_joint_that_comes_late_is_named_there(tmp_path: Path) 
     )
 
 
-def test_a_weak_drag_is_named_by_means_over_which_noise_averages_out(tmp_path: Path) -> None:
+def test_what_is_weak_is_named_by_means_over_which_noise_averages_out(tmp_path: Path) -> None:
     """Over 0.1 s it lowers the error by less than a tenth, over 0.2 s by more; no other joint has a name by that."""
     simulation = write_arm(tmp_path)
-    series = record_arm(simulation, lambda j, _, v, __: 0.19 * v * np.abs(v) if j == 1 else 0.0 * v, noise=0.3)
-    examined = examine_arm(series, simulation)
-    assert names_of(examined.record) == {"shoulder": [], "elbow": ["quadratic_drag"], "wrist": []}
+    wave = record_arm(simulation, lambda j, q, v, _: 0.13 * (j == 1) * np.cos(q) * np.sign(v), noise=0.3)
+    examined = examine_arm(wave, simulation)
+    assert names_of(examined.record) == {"shoulder": [], "elbow": ["position_coulomb"], "wrist": []}
     found = examined.answer.identification
     fit, data = found.fit, ConfirmedData(found.fit.arm, found.equations, found.prior, found.rows)
     (_, after), (_, before) = (
-        data.measure_model(model, fit) for model in (fit.model, without_term(fit.model, 1, "quadratic_drag"))
+        data.measure_model(model, fit) for model in (fit.model, without_term(fit.model, 1, "position_coulomb"))
     )
     falls = 1.0 - after[:, 1] / before[:, 1]
     assert falls[0] < 0.1 < falls[-1]
+
+
+def test_drag_is_no_stribeck_curve_that_falls_over_most_speeds(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    drag = record_arm(simulation, lambda j, _, v, __: 0.3 * (j == 1) * v * np.abs(v), noise=0.3)
+    record = examine_arm(drag, simulation).record
+    assert names_of(record) == {"shoulder": [], "elbow": ["quadratic_drag"], "wrist": []}
 
 
 def test_a_second_form_of_an_effect_mends_the_first() -> None:

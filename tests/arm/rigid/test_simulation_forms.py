@@ -137,6 +137,17 @@ def test_names_that_mean_the_same_are_matched() -> None:
     assert match_joints(("J1", "J2"), ("joint_2", "joint_1"), {"J1": "joint_2", "J2": "joint_1"})["J1"] == "joint_2"
 
 
+def test_recordings_that_count_from_zero_are_of_joints_that_count_from_one() -> None:
+    """By their numbers all but the first would be the joint before, and the first the last."""
+    for there in (("joint_1", "joint_2", "joint_3"), ("ur_joint_1", "ur_joint_2", "ur_joint_3")):
+        recorded = ("joint_0", "joint_1", "joint_2")
+        assert tuple(match_joints(recorded, there, {}).values()) == there
+    assert match_joints(("q_0", "q_1"), ("joint_0", "joint_1"), {}) == {"q_0": "joint_0", "q_1": "joint_1"}
+    assert match_joints(("q_0", "q_1"), ("rail", "joint_1"), {"q_0": "rail"})["q_1"] == "joint_1"
+    with pytest.raises(SimulationFileError, match="--match q_0=rail"):
+        match_joints(("q_0", "q_1"), ("rail", "joint_1"), {})
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
