@@ -76,11 +76,15 @@ class EffectParameter:
 
     def is_at_end(self, value: float) -> bool:
         """Whether a value stands where the search of it ends, in the solver's coordinates; its null is no such end."""
-        return (self.linear or self.searched) and self.touches_end(value) and not self.is_null(value)
+        absent = self.null is not None and abs(value - self.null) < EFFECT.at_bound * self.scale
+        return (self.linear or self.searched) and self.touches_end(value) and not absent
 
-    def is_null(self, value: float) -> bool:
-        """Whether a value is that at which the effect is not there."""
-        return self.null is not None and abs(value - self.null) < EFFECT.at_bound * self.scale
+    def is_out_of_reach(self, value: float) -> bool:
+        """Whether a value stands where its domain ends because recordings reach no further, as that of a stop at the
+        other end which nothing meets: it says nothing."""
+        if self.null is None or self.linear or self.searched:
+            return False
+        return abs(value - self.null) <= EFFECT.at_bound * (self.upper - self.lower)
 
     def touches_end(self, value: float) -> bool:
         """Whether a value stands where its domain or the search of it ends, in the solver's coordinates."""

@@ -85,8 +85,7 @@ class RefittedJoint:
         result = {}
         for index, (owner, parameter) in enumerate(self.structure.parameters, N_BASE):
             value, deviation = self.fit.theta[index], self.deviations[index]
-            nothing_there = not (parameter.linear or parameter.searched) and parameter.is_null(float(value))
-            if owner != name or nothing_there:
+            if owner != name or parameter.is_out_of_reach(float(value)):
                 continue
             unit = _shorten_unit(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
             if parameter.with_delay:

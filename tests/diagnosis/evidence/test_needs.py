@@ -11,6 +11,7 @@ from fricomp.diagnosis.effects.effect import compute_lowest_order
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.evidence.needs import find_one_way, list_objections
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
+from fricomp.diagnosis.evidence.undetermined import list_undetermined
 
 from ..known import known_baseline, known_fit
 
@@ -96,3 +97,14 @@ def _tied(name: str, **values: float) -> RefittedJoint:
     tied = np.zeros_like(found.covariance)
     tied[-2:, -2:] = [[0.1**2, 0.0999 * 0.1], [0.0999 * 0.1, 0.1**2]]
     return replace(found, covariance=tied)
+
+
+@pytest.mark.parametrize(("met", "told"), [(0.0, False), (0.2, True)])
+def test_the_way_to_a_stop_that_nothing_meets_is_no_number(met: float, told: bool) -> None:
+    (context,) = known_baseline().structure.contexts
+    high, span = float(context.position.max()), float(np.ptp(context.position))
+    stop = {"stiffness": 5.0, "damping": 0.0, "inertia": 0.0, "edge": high - 0.2 * span, "side": 1.0}
+    one = _refitted("end_stop", 0.01, **stop, travel=(1.0 - met) * span)
+    assert ("travel" in one.list_parameters("end_stop", "N·m", "rad")) == told
+    assert list_objections(one) == {}
+    assert "end_stop.travel" not in list_undetermined(one, ("N·m", "rad"))
