@@ -22,6 +22,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> tuple[ArmExamination, Pat
     return examine_arm(record_arm(simulation, duration=20.0), simulation), simulation
 
 
+@pytest.mark.slow
 def test_links_nearer_the_simulation_are_written_where_they_go_less_wrong(
     plain: tuple[ArmExamination, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,6 +57,7 @@ def test_a_delay_of_all_torques_is_found_once(healthy: ArmExamination) -> None:
     assert healthy.record.delay.value == pytest.approx(0.004, abs=5e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stated", [(0.0, 0.0, 0.0), (0.02, 0.02, 0.02)], ids=["none", "wrong"])
 def test_rotors_that_the_simulation_lacks_are_no_gain_of_all_torques_and_no_lighter_links(
     tmp_path: Path, stated: tuple[float, float, float]
@@ -94,6 +95,7 @@ def test_friction_that_follows_the_load_is_named_in_its_joint(tmp_path: Path) ->
     assert record.joints[0].error_model < 0.5 * record.joints[0].error_plain
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distance", [0.008, 0.0105])
 def test_presliding_is_named_in_its_joint(distance: float, tmp_path: Path) -> None:
     simulation = write_arm(tmp_path)

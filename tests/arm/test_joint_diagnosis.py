@@ -28,6 +28,7 @@ def joints(tmp_path_factory: pytest.TempPathFactory) -> list[Diagnosis]:
     return diagnose_joints(found, prepare_files(found.answer, simulation))
 
 
+@pytest.mark.slow
 def test_the_joint_with_the_spring_misses_it_and_the_others_nothing(joints: list[Diagnosis]) -> None:
     assert [one.verdict for one in joints][:2] == ["consistent", "consistent"]
     (effect,) = joints[2].effects

@@ -69,6 +69,7 @@ def test_intervals_go_over_all_curves_that_are_nearly_as_probable(curved: ArmExa
         assert high - low > 2.0 * 1.9 * alone
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_beside_a_curve_that_is_next_to_none(tmp_path: Path) -> None:
     """An excess of a hundredth: beside a plain level alone, Coulomb and viscous friction are off by many deviations."""
     simulation = write_arm(tmp_path)
@@ -97,6 +98,7 @@ def exponential(tmp_path_factory: pytest.TempPathFactory) -> ArmExamination:
     return examine_arm(record_arm(simulation, fall, duration=20.0), simulation)
 
 
+@pytest.mark.slow
 def test_the_exponent_of_a_curve_is_found(exponential: ArmExamination) -> None:
     for joint, speed in enumerate(_SPEED[:2]):
         (core,) = build_friction_model(exponential.answer.identification, joint).law.terms
@@ -105,6 +107,7 @@ def test_the_exponent_of_a_curve_is_found(exponential: ArmExamination) -> None:
         assert core.forward.stribeck_velocity == pytest.approx(speed, rel=0.15)
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_beside_curves_of_another_exponent(exponential: ArmExamination) -> None:
     """With exponent 2 alone they missed it in most joints, and drag was named."""
     for joint, level, slope in zip(exponential.record.joints, _LEVELS, _SLOPES, strict=True):
@@ -175,6 +178,7 @@ def test_a_direction_that_the_encoder_leaves_open_is_not_compared(tmp_path: Path
     assert moving[0] < moving[1]
 
 
+@pytest.mark.slow
 def test_no_rotor_has_less_than_no_inertia(tmp_path: Path) -> None:
     """A torque that is measured behind the gear, and less than the links' inertia asks for."""
     simulation = write_arm(tmp_path)

@@ -32,6 +32,7 @@ def test_a_ripple_is_named_with_its_order(tmp_path: Path) -> None:
     assert "cogging" in {term.name for term in build_friction_model(found.answer.identification, 1).law.terms}
 
 
+@pytest.mark.slow
 def test_friction_that_falls_with_the_temperature_is_named(tmp_path: Path) -> None:
     simulation = write_arm(tmp_path)
     series = record_arm(simulation)
@@ -45,6 +46,7 @@ def test_friction_that_falls_with_the_temperature_is_named(tmp_path: Path) -> No
     assert record.joints[0].effects[0].parameters["viscous_slope"].value == pytest.approx(-0.025, abs=0.003)
 
 
+@pytest.mark.slow
 def test_the_torque_of_one_joint_that_comes_late_is_named_there(tmp_path: Path) -> None:
     simulation = write_arm(tmp_path)
     late = record_arm(simulation, delay=0.012)

@@ -39,6 +39,7 @@ def leaning(level: Path) -> ArmExamination:
     return examine_arm(record_arm(true, seed=1), level)
 
 
+@pytest.mark.slow
 def test_the_lean_of_gravity_is_found(leaning: ArmExamination) -> None:
     tilt = leaning.record.tilt
     assert tilt is not None

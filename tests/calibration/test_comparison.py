@@ -34,6 +34,7 @@ def draw(rng: np.random.Generator, truth: np.ndarray = TRUTH) -> FrictionModel:
     return model(truth + SPREAD @ rng.standard_normal(8))
 
 
+@pytest.mark.slow
 def test_an_unchanged_joint_is_called_changed_at_the_stated_rate() -> None:
     rng = np.random.default_rng(1)
     called = [compare_models(draw(rng), draw(rng)) for _ in range(1000)]
@@ -41,6 +42,7 @@ def test_an_unchanged_joint_is_called_changed_at_the_stated_rate() -> None:
     assert np.mean([bool(c.significant) for c in called]) < 0.065  # Holm keeps the family-wise rate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speeds", [6, 8])
 def test_short_sweeps_of_an_unchanged_joint_are_called_changed_at_the_stated_rate(speeds: int) -> None:
     side = np.geomspace(0.01, 1.0, speeds)
@@ -131,6 +133,7 @@ def test_models_at_two_loads_are_compared_at_one() -> None:
     assert abs(result.largest_torque_change) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sensitivity", [0.4, 1.0, 1.3])
 def test_a_model_brought_to_another_load_is_the_same_model(sensitivity: float) -> None:
     names = (*NAMES, "stribeck.load.load_sensitivity")

@@ -345,6 +345,7 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_was_written(tmp_path: Path) 
     assert load_sweep(out / "recording.csv").blocks
 
 
+@pytest.mark.slow
 def test_the_log_of_a_sweep_holds_its_motion_and_what_the_model_leaves(tmp_path: Path) -> None:
     pytest.importorskip("mcap")
     log = tmp_path / "sweep.mcap"

@@ -95,6 +95,7 @@ def test_export_errors_are_one_sentence(model: Path, arguments: tuple[str, ...],
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_check_loop_says_safe_or_exits_with_one(model: Path) -> None:
     good = fricomp("check-loop", model, "--inertia", 0.1, "--bandwidth", 10, "--delay", 0.002)
     assert good.returncode == 0
@@ -142,6 +143,7 @@ def test_run_wants_a_model_for_every_joint(model: Path, tmp_path: Path) -> None:
     assert "1 joints" in done.stderr
 
 
+@pytest.mark.slow
 def test_bench_tracking_does_only_what_is_asked(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     done = fricomp("bench", "tracking", "--quick", "--only", "loops", "--out", tmp_path)

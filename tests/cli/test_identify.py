@@ -47,6 +47,7 @@ def test_a_file_in_the_place_of_the_folder_is_told_at_once(tmp_path: Path, sever
     assert str(done.exception) == f"cannot make the folder {table}/deeper: {table} is a file; choose another --out"
 
 
+@pytest.mark.slow
 def test_a_model_that_is_not_usable_is_written_and_ends_with_1(tmp_path: Path) -> None:
     v = np.concatenate([np.linspace(0.3, 1.0, 40), -np.linspace(0.3, 1.0, 40)])
     torque = np.sign(v) * 0.2 + 0.05 * v + np.random.default_rng(0).normal(0.0, 0.003, v.size)
@@ -89,6 +90,7 @@ def test_points_that_depart_from_the_law_are_a_warning_and_an_offset_a_note(tmp_
     assert "95 % interval, if the law held" in (out / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_a_network_departs_where_held_out_points_ask_for_it(tmp_path: Path) -> None:
     side = np.linspace(0.02, 1.0, 30)
     speed, sign = np.concatenate([side, side]), np.repeat([1.0, -1.0], len(side))
@@ -216,6 +218,7 @@ def _loaded(path: Path, load: float | None) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [["--method", "least_squares"], ["--batch"]])
 def test_a_constant_normal_load_leaves_the_model_as_it_is(tmp_path: Path, options: list[str]) -> None:
     models = []
@@ -308,6 +311,7 @@ def test_the_rigid_body_is_told_with_its_units(tmp_path: Path) -> None:
     assert re.search(told, " ".join(said.split()))
 
 
+@pytest.mark.slow
 def test_a_gap_is_not_bridged(tmp_path: Path) -> None:
     motion = _motion(30.0)
     write_recording(motion.rows((motion.time < 8.0) | (motion.time > 15.3)), tmp_path / "gap.csv")
@@ -330,6 +334,7 @@ def test_of_a_recording_with_motion_blocks_those_alone_are_used(tmp_path: Path) 
     assert "(tare) were left out" in said
 
 
+@pytest.mark.slow
 def test_blocks_of_other_kinds_are_all_used_and_named(tmp_path: Path) -> None:
     motion, path = _motion(), tmp_path / "recording.csv"
     with RecordingWriter(path) as writer:

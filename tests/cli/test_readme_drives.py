@@ -102,6 +102,7 @@ def test_the_lines_of_the_readme_run_in_order(protocol: str, tmp_path: Path, mon
     assert Path("runs/twin/friction.json").stat().st_size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("protocol", BY_PROTOCOL)
 def test_the_line_for_one_process_runs(protocol: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -65,6 +65,7 @@ def test_creep_is_found_where_the_simulator_made_it(time: float, kind: str, rate
     assert baseline.noise_ratio < 1.1
 
 
+@pytest.mark.slow
 def test_a_joint_that_sticks_keeps_its_bristle() -> None:
     baseline = _prepared(FrictionLoss(time=0.002, impedance=STICKING), "rests", 1000)
     assert unpack(baseline.fit.theta).creep_velocity == 0.0

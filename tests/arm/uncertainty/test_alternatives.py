@@ -33,6 +33,7 @@ def test_no_spring_is_told_of_where_the_motion_speaks_against_one(healthy: ArmEx
     assert [joint.possible_spring for joint in healthy.record.joints] == [None, None, None]
 
 
+@pytest.mark.slow
 def test_a_spring_that_links_may_stand_for_is_told_beside_them(tmp_path: Path) -> None:
     simulation = write_arm(tmp_path)
     record = examine_arm(record_arm(simulation, pull, noise=0.3), simulation).record

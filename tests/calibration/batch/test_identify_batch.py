@@ -116,6 +116,7 @@ def _sweeps(low: float, rise: float, exponent: float = 2.0) -> tuple[list[FloatA
     return [velocity] * 10, torques
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("low", "rise", "exponent"), [(0.01, 0.4, 2.0), (0.01, 0.4, 1.0), (0.01, 0.0, 2.0), (0.3, 0.4, 2.0)]
 )

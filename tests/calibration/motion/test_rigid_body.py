@@ -88,6 +88,7 @@ def test_bidirectional_stribeck_predicts_the_emps_pulse_test_better_than_coulomb
     assert error < 0.85 * prediction_error(fit, held_out, simple)
 
 
+@pytest.mark.slow
 @no_ur10e
 def test_stribeck_predicts_the_second_half_of_ur10e_joint_1_better_than_coulomb_viscous() -> None:
     (recording,) = read_public("ur10e/joint_1")
@@ -139,6 +140,7 @@ def test_friction_that_differs_between_directions_is_not_taken_for_an_offset() -
     assert found.friction.model.provenance.notes["torque_offset"].startswith("0 assumed")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("delay", "inertia"), [(0.003, 0.5), (-0.005, 0.1), (0.02, 0.1)])
 def test_a_torque_that_comes_late_or_early_is_shifted_and_gives_the_same_friction(delay: float, inertia: float) -> None:
     found = identify_motion(sample_joint(_late(delay, inertia)))

@@ -116,6 +116,7 @@ def test_an_interrupt_leaves_zero_torque_and_whole_plateaus_and_resume_does_the_
     assert np.all(np.diff(read_recording(folder.recording).time) > 0.0)
 
 
+@pytest.mark.slow
 def test_an_adaptive_sweep_that_is_gone_on_with_visits_the_first_speed_again(
     request_of_a_short_run: CalibrationRequest, tmp_path: Path
 ) -> None:

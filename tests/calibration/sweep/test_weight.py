@@ -74,6 +74,7 @@ def record(backend: str, table: dict[str, object], tmp_path: Path) -> list[tuple
     return found
 
 
+@pytest.mark.slow
 def test_a_sensor_that_reads_too_much_is_found_out(tmp_path: Path) -> None:
     joints = [{"name": "shoulder"}, {"name": "elbow", "sensor": {"torque_gain": 1.05}}]
     bare, loaded = record("sim", ARM | {"joints": joints}, tmp_path)
@@ -107,6 +108,7 @@ def test_no_loop_is_closed_here_over_a_torque_that_counts_the_other_way(monkeypa
         assert largest <= settings.check_torque * adapter.options.limits[0].torque
 
 
+@pytest.mark.slow
 def test_a_joint_that_falls_before_its_signs_are_checked_is_weighed_by_the_loop_on_the_host(tmp_path: Path) -> None:
     """The bar of the default joint on a horizontal axis, let go of at its highest lever."""
     model = tmp_path / "pendulum.xml"

@@ -41,6 +41,7 @@ def cubic_drag() -> Iterator[str]:
     del EFFECTS[CubicDrag.name]
 
 
+@pytest.mark.slow
 def test_the_search_screens_an_effect_that_is_defined_elsewhere(cubic_drag: str) -> None:
     columns = record(ToyJoint(), "rich", 10.0)
     drag = 0.3 * np.gradient(columns["position"], 1e-3) ** 3

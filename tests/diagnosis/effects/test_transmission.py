@@ -128,6 +128,7 @@ def test_a_gear_whose_load_would_stand_still_along_a_wave_is_none(
     assert (EFFECTS["kinematic_error"].refuse(values, [context]) is None) == physical
 
 
+@pytest.mark.slow
 def test_a_twist_is_that_of_its_equation_though_samples_are_far_apart() -> None:
     """A step that took the motor's position from half a step later would twist by 0.3 mrad more."""
     stiffness, damping, half, dt = 2e4, 60.0, 1e-3, 2e-3

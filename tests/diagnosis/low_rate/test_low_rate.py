@@ -57,6 +57,7 @@ def test_a_ripple_within_the_band_is_named() -> None:
     assert effect.parameters["sine"].value == pytest.approx(0.1, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_torque_that_is_stamped_late_is_a_measurement() -> None:
     diagnosis = diagnose(slow_log(25.0, 51, delay=0.07))
     (effect,) = diagnosis.effects

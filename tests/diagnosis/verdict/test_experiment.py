@@ -39,6 +39,7 @@ def fitted(baseline: Baseline) -> list[Explanation]:
     return fit_from(baseline, [(one, baseline.fit.theta) for one in structures], baseline.box)
 
 
+@pytest.mark.slow
 def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_another_gravity(
     baseline: Baseline, fitted: list[Explanation]
 ) -> None:

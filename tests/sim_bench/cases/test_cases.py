@@ -96,6 +96,7 @@ def test_an_effect_has_the_wanted_strength_or_its_limit(name: str) -> None:
     assert case.enr == pytest.approx(only.enr, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_same_spec_makes_the_same_case(cogging: Case) -> None:
     again = generate(cogging.spec)
     assert np.array_equal(again.outcome.sensed.torque, cogging.outcome.sensed.torque)

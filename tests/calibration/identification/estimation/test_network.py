@@ -104,6 +104,7 @@ def _repeated(speeds: int, visits: int) -> IdentificationResult:
     return identify(velocity, torque, method="least_squares", noise="absolute")
 
 
+@pytest.mark.slow
 def test_visits_to_one_speed_are_held_out_together(monkeypatch: pytest.MonkeyPatch) -> None:
     outside: list[FloatArray] = []
     inside: list[FloatArray] = []
@@ -122,6 +123,7 @@ def test_visits_to_one_speed_are_held_out_together(monkeypatch: pytest.MonkeyPat
         assert np.min(np.abs(out[:, None] / kept[None, :] - 1.0)) > 0.1
 
 
+@pytest.mark.slow
 def test_a_fold_begins_from_the_closed_form_without_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
     result = _repeated(speeds=12, visits=1)
     begun: list[TanhNetwork] = []

@@ -50,6 +50,7 @@ def test_speeds_above_the_bend_give_no_boundless_friction(law: str, seed: int) -
     assert max(dry) <= 10.0 * np.max(np.abs(torque)) * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_an_undetermined_model_is_marked_refused_and_bounded(tmp_path: Path) -> None:
     velocity, torque = _fast()
     result = identify(velocity, torque, law="symmetric_stribeck")

@@ -79,6 +79,7 @@ def test_unknown_names_are_refused_with_the_valid_ones() -> None:
         InjectedSpec("emps", "gremlins")
 
 
+@pytest.mark.slow
 @_EMPS
 def test_what_is_known_of_a_recording_is_neither_injected_nor_a_false_name(tmp_path: Path) -> None:
     pool = (SerialExecutor(), 1)
