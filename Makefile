@@ -1,6 +1,6 @@
 # Two commands, each enough on a fresh machine with Python 3.11 or newer, git and make:
 #   make calibrate   a simulated joint, from sweep to exported model, into runs/demo
-#   make test        the test suite, in some ten minutes
+#   make test        the test suite, in some eight minutes on two cores
 # And for work on it: make test-slow (the tests that take long), make lint, make docs (the site), make lock, make clean.
 PYTHON ?= python3
 VENV := .venv

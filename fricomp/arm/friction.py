@@ -54,8 +54,8 @@ _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
 fits best."""
 
 _STRIBECK_EXPONENTS = (2.0, 1.0)
-"""Of the curves, each with all velocities: joints have either [armstrong1994]. In slow motion a wrong one turns into
-viscous friction and drag."""
+"""Of the curves, each with all velocities: joints have either [armstrong1994survey]. In slow motion a wrong one turns
+into viscous friction and drag."""
 
 LEAST_STRIBECK, MOST_STRIBECK = 0.01, 0.6
 """Of a joint's top speed, between which a Stribeck velocity lies: below, no row shows it; above, it is drag."""
