@@ -10,6 +10,7 @@ import numpy as np
 from ..effects import EFFECTS
 from ..effects.identity import find_twin
 from ..effects.structure import N_BASE, Candidate, Structure
+from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.solver import Race
 from .choice import choose, rank_acceptable, select_finalists
@@ -74,8 +75,9 @@ def search(baseline: Baseline) -> SearchResult:
         for whole in _select_wholes(tried, choose(baseline, tried, threshold), threshold):
             tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
-        if best is not None and _has_idle(baseline, best):
+        if best is not None and _list_idle(baseline, best):
             tried += _fit_parts(baseline, best)
+            tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))
             best = choose(baseline, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return SearchResult(tuple(tried), best, threshold, explainable, null, first)
@@ -151,11 +153,26 @@ def _fit_parts(baseline: Baseline, best: Explanation | None) -> list[Explanation
     return fit_from(baseline, [(Structure(contexts, candidates), theta) for candidates in kept], baseline.box)
 
 
-def _has_idle(baseline: Baseline, best: Explanation) -> bool:
-    """Tell whether one of its effects does nothing, such as a lag of no length. It only led the others to their
+def _list_idle(baseline: Baseline, one: Explanation) -> tuple[str, ...]:
+    """List those of its effects that do nothing, such as a lag of no length. They only led the others to their
     minimum."""
-    added = [best.structure.compute_added(baseline.problem, best.fit.theta, [name]) for name in best.names]
-    return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < SEARCH.idle
+    if len(one.names) == 1:
+        return ()
+    added = {name: one.structure.compute_added(baseline.problem, one.fit.theta, [name]) for name in one.names}
+    return tuple(name for name, torque in added.items() if float(np.max(np.abs(torque))) < SEARCH.idle)
+
+
+def _fit_without_idle(baseline: Baseline, close: Sequence[Explanation]) -> list[Explanation]:
+    """Fit explanations without those of their effects that do nothing, once for each set of effects that is left: from
+    the minimum of the best of them, which is theirs as well."""
+    wanted: dict[tuple[str, ...], tuple[Structure, FloatArray]] = {}
+    for one in close:
+        idle = _list_idle(baseline, one)
+        kept = tuple(candidate for candidate in one.settled if candidate.name not in idle)
+        names = tuple(candidate.name for candidate in kept)
+        if idle and kept and names not in wanted:
+            wanted[names] = Structure(one.structure.contexts, kept), one.fit.theta[:N_BASE]
+    return fit_from(baseline, list(wanted.values()), baseline.box)
 
 
 def _compute_null_gain(baseline: Baseline, screened: Screen) -> float:

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 
+from fricomp.diagnosis.effects.structure import Structure
+from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
-from fricomp.diagnosis.search.preparation import prepare
+from fricomp.diagnosis.joint.solver import Box
+from fricomp.diagnosis.search import search as module
+from fricomp.diagnosis.search.explanation import Explanation
+from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.diagnosis.search.search import _select_wholes, search
 from fricomp.recording import Recording
 
-from ..known import known
+from ..known import known, known_baseline, known_fit
 from ..toy_joint import ToyJoint, record
 
 
@@ -22,6 +29,27 @@ def test_what_leaves_far_less_than_the_chosen_one_is_taken_apart_too() -> None:
     assert _select_wholes([chosen, little, refused], chosen, 30.0) == [chosen]
     assert _select_wholes([chosen, little, refused, far], chosen, 30.0) == [chosen, far]
     assert _select_wholes([refused], None, 30.0) == []
+
+
+def test_effects_that_do_nothing_are_left_out_from_where_their_explanation_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    baseline = known_baseline()
+    names = (("drive_lag", "load_coulomb", "torque_delay"), ("drive_lag", "load_coulomb"), ("load_coulomb",))
+    whole, pair, alone = (known_fit(baseline, one, 900.0) for one in names)
+    started: list[tuple[tuple[str, ...], object]] = []
+
+    def note(_: Baseline, wanted: Sequence[tuple[Structure, FloatArray]], __: Box) -> list[Explanation]:
+        started.extend((structure.names, structure.contexts) for structure, _ in wanted)
+        return []
+
+    monkeypatch.setattr(module, "fit_from", note)
+    monkeypatch.setattr(module, "_list_idle", lambda _, one: ("drive_lag",) if "drive_lag" in one.names else ())
+    module._fit_without_idle(baseline, [whole, pair, alone, pair])
+    assert started == [
+        (("load_coulomb", "torque_delay"), whole.structure.contexts),
+        (("load_coulomb",), pair.structure.contexts),
+    ]
 
 
 @pytest.mark.slow
