@@ -96,7 +96,9 @@ class Glance:
 
     def _take_out(self, at: NDArray[np.intp]) -> tuple[FloatArray, float]:
         """Downward slope at some places, and half of what the squares grow by, with all that is elsewhere at none."""
-        out = np.setdiff1d(np.flatnonzero(self._x), at)
+        there = self._x != 0.0
+        there[at] = False
+        out = np.flatnonzero(there)
         if not out.size:
             return self._g[at], 0.0
         gone = self._x[out]

@@ -72,11 +72,13 @@ def search(baseline: Baseline) -> SearchResult:
         close += _fit_twins(baseline, best)
         finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        for whole in _select_wholes(tried, choose(baseline, tried, threshold), threshold):
+        wholes = _select_wholes(tried, choose(baseline, tried, threshold), threshold)
+        for whole in wholes:
             tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
         if best is not None and _list_idle(baseline, best):
-            tried += _fit_parts(baseline, best)
+            if all(best is not whole for whole in wholes):
+                tried += _fit_parts(baseline, best)
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))
             best = choose(baseline, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
@@ -143,10 +145,10 @@ def _fit_twins(baseline: Baseline, best: Explanation) -> list[Explanation]:
     return fit_from(baseline, [(Structure(contexts, candidates), theta)], baseline.box)
 
 
-def _fit_parts(baseline: Baseline, best: Explanation | None) -> list[Explanation]:
+def _fit_parts(baseline: Baseline, best: Explanation) -> list[Explanation]:
     """Fit an explanation without each of its effects, from where it ended, under the load of its joint. Alone, a part
     may not have got that far."""
-    if best is None or len(best.names) == 1 or best.coverage < SEARCH.nameable:
+    if len(best.names) == 1 or best.coverage < SEARCH.nameable:
         return []
     contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]

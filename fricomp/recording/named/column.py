@@ -21,21 +21,8 @@ __all__ = [
 
 _WANTED: tuple[str, ...] = (
     *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired", "target", "goal"),
-    *(
-        "setpoint",
-        "soll",
-        "set",
-        "demand",
-        "demanded",
-        "consigne",
-        "目标",
-        "目標",
-        "指令",
-        "期望",
-        "设定",
-        "목표",
-        "지령",
-    ),
+    *("setpoint", "soll", "set", "demand", "demanded", "consigne"),
+    *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
     *("заданный", "заданная", "заданное", "задание", "уставка"),
 )
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}

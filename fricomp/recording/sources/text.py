@@ -19,8 +19,8 @@ from fricomp.untrusted import find_size_limit
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _SAMPLE = 2**20
 """Bytes by which an encoding is told."""
-_ENCODINGS = ("utf-8", "cp1252", "gb18030", "big5", "cp932", "cp949", "cp1251")
-"""UTF-8 and those of Windows: western, simplified and traditional Chinese, Japanese, Korean, Cyrillic."""
+_ENCODINGS = ("cp1252", "gb18030", "big5", "cp932", "cp949", "cp1251")
+"""Those of Windows beside UTF-8: western, simplified and traditional Chinese, Japanese, Korean, Cyrillic."""
 _HEADING = 4000
 """Characters of a text in which its names are looked for."""
 _CELL = re.compile(r"[^,;\t|\r\n]+")
@@ -103,18 +103,21 @@ def find_encoding(path: Path) -> str:
     for mark, encoding in _MARKED.items():
         if start.startswith(mark):
             return encoding
-    decoded = {encoding: _decode(start, encoding) for encoding in _ENCODINGS}
-    texts = {encoding: text for encoding, text in decoded.items() if text is not None and "\0" not in text}
+    if _decode(start, "utf-8") is not None:
+        return "utf-8"
+    texts = {encoding: text for encoding in _ENCODINGS if (text := _decode(start, encoding)) is not None}
     if not texts:
         raise RecordingError(f"{path} is no text file: name its format in a mapping, or give another file")
-    return "utf-8" if "utf-8" in texts else max(texts, key=lambda encoding: _count_words(texts[encoding]))
+    return max(texts, key=lambda encoding: _count_words(texts[encoding]))
 
 
 def _decode(start: bytes, encoding: str) -> str | None:
+    """The text of these bytes; None where they are none in this encoding."""
     try:
-        return codecs.getincrementaldecoder(encoding)().decode(start)
+        text = codecs.getincrementaldecoder(encoding)().decode(start)
     except UnicodeDecodeError:
         return None
+    return None if "\0" in text else text
 
 
 def _count_words(text: str) -> int:
