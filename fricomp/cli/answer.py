@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import typer
-
+from fricomp.cli.option.panel import output_option
 from fricomp.cli.output import hearing, print_json
 
 __all__ = ["AsJson", "answer", "print_json"]
 
-AsJson = Annotated[
-    bool, typer.Option("--json", rich_help_panel="Output", help="Print the answer as JSON, and nothing else on stdout.")
-]
+AsJson = Annotated[bool, output_option("--json", help="Print the answer as JSON, and nothing else on stdout.")]
 """The option, for commands that say something else where it is given; every other command has it all the same."""
 
 

@@ -10,6 +10,7 @@ import typer
 from fricomp.cli.calibration.resume import flags
 from fricomp.cli.option.motion_log import LogFile, claim_log
 from fricomp.cli.option.page import Live, OpenPage
+from fricomp.cli.option.panel import option_under
 from fricomp.cli.settings_file import use_settings, write_settings
 from fricomp.errors import ParameterError
 from fricomp.extras import REPORT, require
@@ -20,6 +21,12 @@ if TYPE_CHECKING:
     from fricomp.cli.calibration.start import Shown
 
 app = typer.Typer(add_completion=False)
+
+joint_option = option_under("Joint")
+sweep_option = option_under("Sweep")
+identification_option = option_under("Identification")
+instead_option = option_under("Instead of a sweep")
+run_option = option_under("Run")
 
 _EXCITED = 60.0
 """How long --excite moves an arm by default [s]."""
@@ -53,155 +60,93 @@ fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixe
 def calibrate(
     context: typer.Context,
     backend: Annotated[
-        str | None,
-        typer.Option(
-            rich_help_panel="Joint", help="Adapter: `fricomp adapters` lists them; what --config says, or sim."
-        ),
+        str | None, joint_option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
     ] = None,
-    config: Annotated[
-        Path | None, typer.Option(rich_help_panel="Joint", help="Configuration of the adapter (TOML).")
-    ] = None,
-    joint: Annotated[
-        str, typer.Option(rich_help_panel="Joint", help="Joint to calibrate; the first if not given.")
-    ] = "",
+    config: Annotated[Path | None, joint_option(help="Configuration of the adapter (TOML).")] = None,
+    joint: Annotated[str, joint_option(help="Joint to calibrate; the first if not given.")] = "",
     model: Annotated[
         str,
-        typer.Option(
-            rich_help_panel="Joint",
-            help="MJCF of the mechanism, for gravity and inertia; of sim: default_joint, two_link_arm or a file.",
+        joint_option(
+            help="MJCF of the mechanism, for gravity and inertia; of sim: default_joint, two_link_arm or a file."
         ),
     ] = "",
     gravity_unknown: Annotated[
-        bool,
-        typer.Option(
-            rich_help_panel="Joint", help="No model of the gravity on this joint: half difference of both directions."
-        ),
+        bool, joint_option(help="No model of the gravity on this joint: half difference of both directions.")
     ] = False,
     speeds: Annotated[
         str,
-        typer.Option(
-            rich_help_panel="Sweep",
+        sweep_option(
             help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list \\[rad/s] or \\[m/s]; "
-            "log-spaced below the highest that fits into the travel if not given.",
+            "log-spaced below the highest that fits into the travel if not given."
         ),
     ] = "",
-    repeats: Annotated[int, typer.Option(rich_help_panel="Sweep", help="Visits to each speed in each direction.")] = 2,
-    dwell: Annotated[float, typer.Option(rich_help_panel="Sweep", help="Time on a settled plateau \\[s].")] = 1.0,
-    warm_up: Annotated[
-        float, typer.Option(rich_help_panel="Sweep", help="Time of moving to and fro before the sweep \\[s].")
-    ] = 8.0,
-    positions: Annotated[
-        int, typer.Option(rich_help_panel="Sweep", help="Places over the travel at which slow plateaus are centred.")
-    ] = 1,
-    loop: Annotated[
-        Literal["auto", "drive", "host"], typer.Option(rich_help_panel="Sweep", help="Who closes the velocity loop.")
-    ] = "auto",
+    repeats: Annotated[int, sweep_option(help="Visits to each speed in each direction.")] = 2,
+    dwell: Annotated[float, sweep_option(help="Time on a settled plateau \\[s].")] = 1.0,
+    warm_up: Annotated[float, sweep_option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
+    positions: Annotated[int, sweep_option(help="Places over the travel at which slow plateaus are centred.")] = 1,
+    loop: Annotated[Literal["auto", "drive", "host"], sweep_option(help="Who closes the velocity loop.")] = "auto",
     inertia: Annotated[
         float,
-        typer.Option(
+        sweep_option(
             show_default=False,
-            rich_help_panel="Sweep",
             help="About the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
         ),
     ] = 0.0,
-    bandwidth: Annotated[float, typer.Option(rich_help_panel="Sweep", help="Of the host's loop \\[rad/s].")] = 60.0,
+    bandwidth: Annotated[float, sweep_option(help="Of the host's loop \\[rad/s].")] = 60.0,
     check_torque: Annotated[
-        float,
-        typer.Option(
-            rich_help_panel="Sweep", help="Largest torque of the sign check, as a fraction of the torque limit."
-        ),
+        float, sweep_option(help="Largest torque of the sign check, as a fraction of the torque limit.")
     ] = 0.3,
-    seed: Annotated[
-        int,
-        typer.Option(rich_help_panel="Sweep", help="Of the order, the network's first weights and simulated noise."),
-    ] = 0,
+    seed: Annotated[int, sweep_option(help="Of the order, the network's first weights and simulated noise.")] = 0,
     normal_load: Annotated[
-        str, typer.Option(rich_help_panel="Identification", help="none, transmitted (from the model), or a number.")
+        str, identification_option(help="none, transmitted (from the model), or a number.")
     ] = "none",
     method: Annotated[
-        Literal["pinn", "least_squares"],
-        typer.Option(rich_help_panel="Identification", help="Both have the same optimum."),
+        Literal["pinn", "least_squares"], identification_option(help="Both have the same optimum.")
     ] = "pinn",
     noise: Annotated[
-        Literal["auto", "relative", "absolute"],
-        typer.Option(rich_help_panel="Identification", help="Of the torque; relative to the friction."),
+        Literal["auto", "relative", "absolute"], identification_option(help="Of the torque; relative to the friction.")
     ] = "auto",
     adaptive: Annotated[
         bool,
-        typer.Option(
-            "--adaptive",
-            rich_help_panel="Identification",
-            help="Second pass at the speeds that tell most, until --accuracy is reached.",
+        identification_option(
+            "--adaptive", help="Second pass at the speeds that tell most, until --accuracy is reached."
         ),
     ] = False,
     accuracy: Annotated[
-        float,
-        typer.Option(rich_help_panel="Identification", help="Mean standard deviation at which --adaptive stops \\[%]."),
+        float, identification_option(help="Mean standard deviation at which --adaptive stops \\[%].")
     ] = 0.5,
     motion: Annotated[
-        Path | None,
-        typer.Option(
-            rich_help_panel="Instead of a sweep",
-            help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units.",
-        ),
+        Path | None, instead_option(help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units.")
     ] = None,
     excite: Annotated[
         bool,
-        typer.Option(
-            "--excite",
-            rich_help_panel="Instead of a sweep",
-            help="Move all joints of an arm (--model) at once, on a motion chosen for what it tells.",
+        instead_option(
+            "--excite", help="Move all joints of an arm (--model) at once, on a motion chosen for what it tells."
         ),
     ] = False,
-    duration: Annotated[
-        float, typer.Option(rich_help_panel="Instead of a sweep", help="Of the motion of --excite \\[s].")
-    ] = _EXCITED,
+    duration: Annotated[float, instead_option(help="Of the motion of --excite \\[s].")] = _EXCITED,
     torque_constant: Annotated[
-        bool,
-        typer.Option(
-            "--torque-constant",
-            rich_help_panel="Instead of a sweep",
-            help="Hang a known weight to find the newton metres of a reading.",
-        ),
+        bool, instead_option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,
-    weight: Annotated[
-        float,
-        typer.Option(
-            show_default=False, rich_help_panel="Instead of a sweep", help="Hung for --torque-constant \\[kg]."
-        ),
-    ] = 0.0,
-    lever: Annotated[
-        float,
-        typer.Option(
-            show_default=False, rich_help_panel="Instead of a sweep", help="From the axis to where it hangs \\[m]."
-        ),
-    ] = 0.0,
-    out: Annotated[Path, typer.Option(rich_help_panel="Run", help="Folder of the run.")] = Path("runs/calibration"),
+    weight: Annotated[float, instead_option(show_default=False, help="Hung for --torque-constant \\[kg].")] = 0.0,
+    lever: Annotated[float, instead_option(show_default=False, help="From the axis to where it hangs \\[m].")] = 0.0,
+    out: Annotated[Path, run_option(help="Folder of the run.")] = Path("runs/calibration"),
     settings: Annotated[
         Path | None,
-        typer.Option(
-            rich_help_panel="Run",
+        run_option(
             is_eager=True,
             callback=use_settings,
             help="TOML file with any options of the headings above; the command line wins.",
         ),
     ] = None,
     write: Annotated[
-        Path | None,
-        typer.Option(
-            "--write-settings", rich_help_panel="Run", help="Write such a file, with comments, and exit; nothing moves."
-        ),
+        Path | None, run_option("--write-settings", help="Write such a file, with comments, and exit; nothing moves.")
     ] = None,
     dry_run: Annotated[
-        bool,
-        typer.Option("--dry-run", rich_help_panel="Run", help="Print the plan and what it can tell; nothing moves."),
+        bool, run_option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
     ] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", rich_help_panel="Run", help="Replace the run that --out holds already.")
-    ] = False,
-    resume: Annotated[
-        bool, typer.Option("--resume", rich_help_panel="Run", help="Go on with the run in --out, as it was asked for.")
-    ] = False,
+    overwrite: Annotated[bool, run_option("--overwrite", help="Replace the run that --out holds already.")] = False,
+    resume: Annotated[bool, run_option("--resume", help="Go on with the run in --out, as it was asked for.")] = False,
     log: LogFile = None,
     live: Live = False,
     open_report: OpenPage = False,

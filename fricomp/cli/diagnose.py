@@ -27,6 +27,7 @@ from fricomp.cli.diagnosis.arm import (
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
+from fricomp.cli.option.panel import fleet_option, option_under, output_option
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from fricomp.recording import Recording
 
 app = typer.Typer(add_completion=False)
+
+simulation_option = option_under("Simulation")
+diagnosis_option = option_under("Diagnosis")
 
 EXIT_BAD_DATA = 1
 """Exit status where everything was written, and the verdict is that the data cannot be diagnosed."""
@@ -84,51 +88,31 @@ def diagnose(
             "also as a bag, MAT or NPZ; or a table of joints."
         ),
     ],
-    out: Annotated[
-        Path, typer.Option(rich_help_panel="Output", help="Folder for the report, the record and the models.")
-    ],
+    out: Annotated[Path, output_option(help="Folder for the report, the record and the models.")],
     simulation: Annotated[
         Path | None,
-        typer.Option(
-            rich_help_panel="Simulation",
-            help="MJCF or URDF of the joint or the arm; a rigid joint is identified without it.",
-        ),
+        simulation_option(help="MJCF or URDF of the joint or the arm; a rigid joint is identified without it."),
     ] = None,
     joint: Annotated[
-        str | None,
-        typer.Option(rich_help_panel="Simulation", help="Name of the joint; needed where the simulation has several."),
+        str | None, simulation_option(help="Name of the joint; needed where the simulation has several.")
     ] = None,
     simulation_error: Annotated[
-        float | None,
-        typer.Option(
-            rich_help_panel="Simulation", help="How far its inertia and gravity may be off: 0.2 for 20 %, as usual."
-        ),
+        float | None, simulation_option(help="How far its inertia and gravity may be off: 0.2 for 20 %, as usual.")
     ] = None,
     friction: Annotated[
-        Path | None,
-        typer.Option(rich_help_panel="Simulation", help="Friction model of the simulation (friction.json)."),
+        Path | None, simulation_option(help="Friction model of the simulation (friction.json).")
     ] = None,
     simulated: Annotated[
-        Path | None,
-        typer.Option(rich_help_panel="Simulation", help="Recording that your simulator made under the same commands."),
+        Path | None, simulation_option(help="Recording that your simulator made under the same commands.")
     ] = None,
     controller: Annotated[
-        Path | None,
-        typer.Option(
-            rich_help_panel="Diagnosis", help="PD or PID loop that moved the joint (TOML); it is estimated without it."
-        ),
+        Path | None, diagnosis_option(help="PD or PID loop that moved the joint (TOML); it is estimated without it.")
     ] = None,
     thorough: Annotated[
-        bool,
-        typer.Option(
-            "--thorough", rich_help_panel="Diagnosis", help="Repeat it with other noise; say if the names stay."
-        ),
+        bool, diagnosis_option("--thorough", help="Repeat it with other noise; say if the names stay.")
     ] = False,
     each: Annotated[
-        bool,
-        typer.Option(
-            "--each", rich_help_panel="Of a fleet", help="Every recording on its own, each into a subfolder of --out."
-        ),
+        bool, fleet_option("--each", help="Every recording on its own, each into a subfolder of --out.")
     ] = False,
     executor: Executor = "processes",
     workers: Workers = None,
@@ -144,18 +128,11 @@ def diagnose(
     start: From = None,
     stop: To = None,
     open_report: OpenPage = False,
-    seed: Annotated[
-        int,
-        typer.Option(min=0, rich_help_panel="Diagnosis", help="Of the bands of the report; no answer depends on it."),
-    ] = 0,
+    seed: Annotated[int, diagnosis_option(min=0, help="Of the bands of the report; no answer depends on it.")] = 0,
     schema: Annotated[
         bool,
-        typer.Option(
-            "--schema",
-            rich_help_panel="Output",
-            help="Print the JSON schema of diagnosis.json and exit.",
-            callback=_print_schema,
-            is_eager=True,
+        output_option(
+            "--schema", help="Print the JSON schema of diagnosis.json and exit.", callback=_print_schema, is_eager=True
         ),
     ] = False,
 ) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from fricomp.cli.answer import print_json
+from fricomp.cli.option.panel import fleet_option
 
 if TYPE_CHECKING:
     from fricomp.fleet import FleetJoint, FleetRow, Work
@@ -17,20 +18,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Executor", "FailIf", "FleetRun", "Resume", "Workers", "rich_table", "run_joints", "show_fleet"]
 
-Executor = Annotated[
-    str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
-]
-Workers = Annotated[
-    int | None, typer.Option(min=1, rich_help_panel="Of a fleet", help="Of a fleet; one a core by default.")
-]
-Resume = Annotated[
-    bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
-]
+Executor = Annotated[str, fleet_option(help="Of a fleet: processes, serial or dask://host:port.")]
+Workers = Annotated[int | None, fleet_option(min=1, help="Of a fleet; one a core by default.")]
+Resume = Annotated[bool, fleet_option("--resume", help="Of a fleet: go on with the one in --out.")]
 FailIf = Annotated[
     Literal["any", "missing", "unusable"] | None,
-    typer.Option(
-        rich_help_panel="Of a fleet",
-        help="Of a fleet: end with exit status 1 if a joint's answer is at least this bad; any: worse than nothing.",
+    fleet_option(
+        help="Of a fleet: end with exit status 1 if a joint's answer is at least this bad; any: worse than nothing."
     ),
 ]
 EXIT_FOUND = 1

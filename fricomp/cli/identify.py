@@ -14,6 +14,7 @@ from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Mat
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
+from fricomp.cli.option.panel import arm_option, fleet_option, log_option, option_under, output_option
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
 __all__ = ["app", "identify"]
 
 app = typer.Typer(add_completion=False)
+
+table_option = option_under("Of a table")
+friction_option = option_under("Friction")
+recording_option = option_under("Of a recording")
 
 EXIT_NOT_USABLE = 1
 """Exit status where everything was written, and the model is one that compensator and exports refuse."""
@@ -56,24 +61,19 @@ def identify(
             "normal_load; several files, a folder, a pattern or a table of joints are a fleet."
         ),
     ],
-    out: Annotated[
-        Path, typer.Option(rich_help_panel="Output", help="Folder for friction.json, friction.onnx and report.html.")
-    ] = Path("runs/identify"),
+    out: Annotated[Path, output_option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
+        "runs/identify"
+    ),
     method: Annotated[
-        Literal["pinn", "least_squares"],
-        typer.Option(rich_help_panel="Of a table", help="For tables only; both have the same optimum."),
+        Literal["pinn", "least_squares"], table_option(help="For tables only; both have the same optimum.")
     ] = "pinn",
-    noise: Annotated[
-        Literal["auto", "relative", "absolute"], typer.Option(rich_help_panel="Of a table", help="For tables only.")
-    ] = "auto",
+    noise: Annotated[Literal["auto", "relative", "absolute"], table_option(help="For tables only.")] = "auto",
     loss: Annotated[
-        Literal["gaussian", "robust"],
-        typer.Option(rich_help_panel="Of a table", help="For tables only; robust: against outliers."),
+        Literal["gaussian", "robust"], table_option(help="For tables only; robust: against outliers.")
     ] = "gaussian",
     law: Annotated[
         str,
-        typer.Option(
-            rich_help_panel="Friction",
+        friction_option(
             help="stribeck, free_stribeck (its exponent too), symmetric_stribeck, coulomb, coulomb_viscous, "
             "asymmetric_coulomb_viscous, tanh or arctan; for tables also auto. As it is, stribeck; of a table that "
             "asks for another exponent free_stribeck, of a recording that does not determine it symmetric_stribeck, "
@@ -83,24 +83,18 @@ def identify(
     ] = "",
     gravity: Annotated[
         bool | None,
-        typer.Option(
+        recording_option(
             "--gravity/--no-gravity",
-            rich_help_panel="Of a recording",
             help="Whether gravity acts on the joint and is fitted; as it is, where the torque shows it.",
             show_default=False,
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, rich_help_panel="Friction", help="Of the network's first weights.")] = 0,
+    seed: Annotated[int, friction_option(min=0, help="Of the network's first weights.")] = 0,
     depart: Annotated[
-        bool,
-        typer.Option(rich_help_panel="Friction", help="Let a network leave the law where held-out points ask for it."),
+        bool, friction_option(help="Let a network leave the law where held-out points ask for it.")
     ] = False,
-    batch: Annotated[
-        bool, typer.Option("--batch", rich_help_panel="Of a fleet", help="Tables of a fleet: all joints in one call.")
-    ] = False,
-    device: Annotated[
-        str, typer.Option(rich_help_panel="Of a fleet", help="Of torch, for --batch: cpu, cuda.")
-    ] = "cpu",
+    batch: Annotated[bool, fleet_option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
+    device: Annotated[str, fleet_option(help="Of torch, for --batch: cpu, cuda.")] = "cpu",
     executor: Executor = "processes",
     workers: Workers = None,
     resume: Resume = False,
@@ -108,16 +102,13 @@ def identify(
     overwrite: Overwrite = False,
     as_json: AsJson = False,
     simulation: Annotated[
-        Path | None,
-        typer.Option(rich_help_panel="Of an arm", help="MJCF or URDF of an arm whose joints all move in the log."),
+        Path | None, arm_option(help="MJCF or URDF of an arm whose joints all move in the log.")
     ] = None,
     match: Match = None,
     gain: Gain = None,
     channel: Channel = None,
     mapping: LogMapping = "",
-    joint: Annotated[
-        str | None, typer.Option(rich_help_panel="Of a log", help="Joint to take from a log of several.")
-    ] = None,
+    joint: Annotated[str | None, log_option(help="Joint to take from a log of several.")] = None,
     start: From = None,
     stop: To = None,
     open_report: OpenPage = False,

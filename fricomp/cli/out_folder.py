@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
+from fricomp.cli.option.panel import output_option
 from fricomp.results import make_folder, require_folder
 
 __all__ = ["Overwrite", "make_folder", "require_folder"]
 
-Overwrite = Annotated[
-    bool,
-    typer.Option("--overwrite", rich_help_panel="Output", help="Replace the results of the kind that --out holds."),
-]
+Overwrite = Annotated[bool, output_option("--overwrite", help="Replace the results of the kind that --out holds.")]
 """The option; its default is False."""

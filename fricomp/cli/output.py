@@ -16,6 +16,8 @@ from typing import Any
 
 import typer
 
+from fricomp.cli.option.panel import output_option
+
 __all__ = ["Said", "hearing", "print_json", "with_output_options"]
 
 
@@ -79,12 +81,8 @@ def _make_options() -> list[Any]:
 
     @app.command()
     def options(
-        json: bool = typer.Option(
-            False, "--json", rich_help_panel="Output", help="Print the answer as JSON, and nothing else on stdout."
-        ),
-        quiet: bool = typer.Option(
-            False, "--quiet", "-q", rich_help_panel="Output", help="Print errors alone, and JSON where it is asked for."
-        ),
+        json: bool = output_option(False, "--json", help="Print the answer as JSON, and nothing else on stdout."),
+        quiet: bool = output_option(False, "--quiet", "-q", help="Print errors alone, and JSON where it is asked for."),
     ) -> None:
         pass
 

@@ -13,6 +13,7 @@ import typer
 
 from fricomp.cli.option.motion_log import LogFile
 from fricomp.cli.option.page import Live, OpenPage
+from fricomp.cli.option.panel import option_under, output_option
 from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 __all__ = ["DELAY", "VELOCITY_FILTER", "app"]
 
 app = typer.Typer(add_completion=False)
+
+drive_option = option_under("Drive")
+loop_option = option_under("Loop")
+motion_option = option_under("Motion")
 
 DELAY, VELOCITY_FILTER = 0.002, 0.005
 """Of a loop that nobody has measured, here and in `check-loop`: those of the simulated joint at 1 kHz [s]."""
@@ -46,38 +51,22 @@ def run(
         list[Path], typer.Argument(help="Model file of each joint (friction.json), in the order of the bus.")
     ],
     backend: Annotated[
-        str | None,
-        typer.Option(
-            rich_help_panel="Drive", help="Adapter: `fricomp adapters` lists them; what --config says, or sim."
-        ),
+        str | None, drive_option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
     ] = None,
-    config: Annotated[
-        Path | None, typer.Option(rich_help_panel="Drive", help="Configuration of bus and joints (TOML).")
-    ] = None,
-    inertia: Annotated[
-        list[float], typer.Option(rich_help_panel="Loop", help="At each joint \\[kg·m²] or \\[kg]; once for all.")
-    ] = [0.1],  # noqa: B006
-    bandwidth: Annotated[float, typer.Option(rich_help_panel="Loop", help="Of the PD position loop \\[Hz].")] = 5.0,
-    amplitude: Annotated[float, typer.Option(rich_help_panel="Motion", help="Of the sine \\[rad] or \\[m].")] = 0.2,
-    frequency: Annotated[float, typer.Option(rich_help_panel="Motion", help="Of the sine \\[Hz].")] = 0.1,
-    cycles: Annotated[float, typer.Option(rich_help_panel="Motion", help="Cycles of the sine.")] = 2.0,
-    rate: Annotated[float, typer.Option(rich_help_panel="Loop", help="Of the loop \\[Hz].")] = 1000.0,
-    delay: Annotated[
-        float, typer.Option(rich_help_panel="Loop", help="From motion to the torque that answers it \\[s].")
-    ] = DELAY,
+    config: Annotated[Path | None, drive_option(help="Configuration of bus and joints (TOML).")] = None,
+    inertia: Annotated[list[float], loop_option(help="At each joint \\[kg·m²] or \\[kg]; once for all.")] = [0.1],  # noqa: B006
+    bandwidth: Annotated[float, loop_option(help="Of the PD position loop \\[Hz].")] = 5.0,
+    amplitude: Annotated[float, motion_option(help="Of the sine \\[rad] or \\[m].")] = 0.2,
+    frequency: Annotated[float, motion_option(help="Of the sine \\[Hz].")] = 0.1,
+    cycles: Annotated[float, motion_option(help="Cycles of the sine.")] = 2.0,
+    rate: Annotated[float, loop_option(help="Of the loop \\[Hz].")] = 1000.0,
+    delay: Annotated[float, loop_option(help="From motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
-        float, typer.Option(rich_help_panel="Loop", help="Time constant of the measured velocity's filter \\[s].")
+        float, loop_option(help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,
-    gain: Annotated[
-        float | None,
-        typer.Option(rich_help_panel="Loop", help="Of the compensation; chosen from the model if left out."),
-    ] = None,
-    priority: Annotated[
-        int, typer.Option(min=0, max=99, rich_help_panel="Drive", help="FIFO priority on real hardware; 0 for none.")
-    ] = 80,
-    out: Annotated[Path, typer.Option(rich_help_panel="Output", help="Folder for recordings and plots.")] = Path(
-        "runs/run"
-    ),
+    gain: Annotated[float | None, loop_option(help="Of the compensation; chosen from the model if left out.")] = None,
+    priority: Annotated[int, drive_option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
+    out: Annotated[Path, output_option(help="Folder for recordings and plots.")] = Path("runs/run"),
     overwrite: Overwrite = False,
     log: LogFile = None,
     live: Live = False,

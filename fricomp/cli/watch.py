@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fricomp.cli.option.page import OpenPage, open_page
+from fricomp.cli.option.panel import output_option
 from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def watch(
     folder: Annotated[
         Path, typer.Argument(help="Folder with models (friction.json) of one joint or many, at any depth.")
     ],
-    out: Annotated[Path | None, typer.Option(rich_help_panel="Output", help="Page to write (HTML).")] = None,
+    out: Annotated[Path | None, output_option(help="Page to write (HTML).")] = None,
     fail_if_changed: Annotated[
         bool, typer.Option("--fail-if-changed", help="Exit status 1 where the last model of a joint shows a change.")
     ] = False,

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from fricomp.cli.option.panel import arm_option, log_option
 from fricomp.errors import ParameterError
 from fricomp.extras import REPORT, require
 
@@ -31,28 +30,17 @@ __all__ = [
     "run_arm",
 ]
 
-_PANEL = "Of an arm"
-_OF_LOG = "Of a log"
 Match = Annotated[
-    list[str] | None,
-    typer.Option(rich_help_panel=_PANEL, help="RECORDED=SIMULATED, where names of joints differ; commas between."),
+    list[str] | None, arm_option(help="RECORDED=SIMULATED, where names of joints differ; commas between.")
 ]
 Gain = Annotated[
-    list[str] | None,
-    typer.Option(rich_help_panel=_PANEL, help="JOINT=N·m/A, gear included, where currents were logged; once a joint."),
+    list[str] | None, arm_option(help="JOINT=N·m/A, gear included, where currents were logged; once a joint.")
 ]
 Channel = Annotated[
-    list[str] | None,
-    typer.Option(rich_help_panel=_OF_LOG, help="CHANNEL=COLUMN, where several could be one: torque=tau_measured."),
+    list[str] | None, log_option(help="CHANNEL=COLUMN, where several could be one: torque=tau_measured.")
 ]
-LogMapping = Annotated[
-    str,
-    typer.Option(rich_help_panel=_OF_LOG, help="Mapping file, or one in the package, for a log without such names."),
-]
-Payload = Annotated[
-    bool,
-    typer.Option("--payload", rich_help_panel=_PANEL, help="The simulation is right but for what the arm carries."),
-]
+LogMapping = Annotated[str, log_option(help="Mapping file, or one in the package, for a log without such names.")]
+Payload = Annotated[bool, arm_option("--payload", help="The simulation is right but for what the arm carries.")]
 
 
 @dataclass(frozen=True)

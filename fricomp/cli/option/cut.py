@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from fricomp.cli.option.panel import log_option
 from fricomp.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -16,13 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Cut", "From", "To"]
 
-_PANEL = "Of a log"
-From = Annotated[
-    float | None, typer.Option("--from", rich_help_panel=_PANEL, help="Leave out what is before this time \\[s].")
-]
-To = Annotated[
-    float | None, typer.Option("--to", rich_help_panel=_PANEL, help="Leave out what is from this time on \\[s].")
-]
+From = Annotated[float | None, log_option("--from", help="Leave out what is before this time \\[s].")]
+To = Annotated[float | None, log_option("--to", help="Leave out what is from this time on \\[s].")]
 
 
 @dataclass(frozen=True)

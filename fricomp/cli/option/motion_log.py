@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-import typer
 
+from fricomp.cli.option.panel import output_option
 from fricomp.errors import FricompError, ParameterError
 
 if TYPE_CHECKING:
@@ -22,10 +22,8 @@ __all__ = ["LogFile", "claim_log", "log_calibration", "log_run"]
 
 LogFile = Annotated[
     Path | None,
-    typer.Option(
-        "--log",
-        rich_help_panel="Output",
-        help="Write MCAP for Foxglove, rerun, PlotJuggler: motion, torque, the model's friction, the residual.",
+    output_option(
+        "--log", help="Write MCAP for Foxglove, rerun, PlotJuggler: motion, torque, the model's friction, the residual."
     ),
 ]
 _GAP = 1.0

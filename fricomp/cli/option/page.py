@@ -8,22 +8,19 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from fricomp.cli.option.panel import output_option
 
 if TYPE_CHECKING:
     from fricomp.live.feed import LiveFeed
 
 __all__ = ["Live", "OpenPage", "open_page", "watching"]
 
-OpenPage = Annotated[
-    bool, typer.Option("--open", rich_help_panel="Output", help="Open the report in the browser, and a live page.")
-]
+OpenPage = Annotated[bool, output_option("--open", help="Open the report in the browser, and a live page.")]
 """The option; its default is False."""
 Live = Annotated[
     bool,
-    typer.Option(
+    output_option(
         "--live",
-        rich_help_panel="Output",
         help="Watch the joint, and stop it, on a page of this machine alone; a simulated one moves in real time then.",
     ),
 ]
