@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-__all__ = ["Arrivals"]
-
 
 class Arrivals:
     """Keeps the joints that are still to report, so that one silent drive among many makes the state stale.

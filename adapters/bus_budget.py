@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["BusBudget", "can_fd_frame_time", "can_frame_bits", "serial_time"]
-
 
 def can_frame_bits(n_bytes: int, extended: bool = False) -> int:
     """Longest time of a classical CAN frame on the bus, interframe space and worst-case stuff bits included [bit].

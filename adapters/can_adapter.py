@@ -11,8 +11,6 @@ from .configuration import CanAdapterConfiguration
 from .link import CanFrame, CanLink
 from .link_adapter import LinkAdapter
 
-__all__ = ["CanAdapter"]
-
 
 class CanAdapter(LinkAdapter[CanAdapterConfiguration, CanLink]):
     """N drives on one CAN bus; see `LinkAdapter`."""

@@ -14,8 +14,6 @@ from .link import CanLink, PythonCanLink
 if TYPE_CHECKING:
     import can
 
-__all__ = ["open_can_link"]
-
 
 def open_can_link(configuration: CanBusConfiguration) -> CanLink:
     """The bus that stands in the configuration.

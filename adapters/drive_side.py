@@ -10,8 +10,6 @@ from fricomp.joint import Capabilities, JointCommand, JointFeedback
 
 from .transmission import Transmission
 
-__all__ = ["DriveSide"]
-
 
 class DriveSide:
     """Command and feedback on the drives' side, made once and filled every cycle.

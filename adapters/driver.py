@@ -9,8 +9,6 @@ from typing import Any, Self
 
 from fricomp.joint import Capabilities, CommandMode, JointCommand, JointFeedback, Watchdog
 
-__all__ = ["Driver", "name_bits"]
-
 
 class Driver(ABC):
     """The private half of an adapter. Nothing here blocks longer than a fraction of a period, but for opening,

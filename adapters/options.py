@@ -8,8 +8,6 @@ from fricomp.control import JointLimits
 
 from .transmission import Transmission
 
-__all__ = ["AdapterOptions"]
-
 
 @dataclass(frozen=True)
 class AdapterOptions:

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 from fricomp.errors import AdapterConnectionError, MissingExtraError
 
-__all__ = ["BY_SERIAL_NUMBER", "SerialPort", "find_device", "find_holders", "list_serial_ports"]
-
 BY_SERIAL_NUMBER = "usb:"
 """What a port begins with that is named by its serial number: `usb:FT6S4DSP`."""
 

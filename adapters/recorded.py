@@ -6,8 +6,6 @@ from fricomp.recording import RecordingMetadata
 
 from .adapter import JointAdapter
 
-__all__ = ["recording_metadata"]
-
 
 def recording_metadata(adapter: JointAdapter, joint: int, source: str) -> RecordingMetadata:
     """Facts for the recording of one joint.

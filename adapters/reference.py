@@ -8,8 +8,6 @@ from math import inf, isfinite
 from fricomp.control import JointLimits
 from fricomp.joint import CommandMode, JointCommand
 
-__all__ = ["ReferenceLimiter"]
-
 
 class ReferenceLimiter:
     """Keeps references inside the limits; a position reference moves no faster than the velocity limit.

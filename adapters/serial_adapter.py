@@ -9,8 +9,6 @@ from .configuration import SerialAdapterConfiguration
 from .link import SerialLink, open_serial_link
 from .link_adapter import LinkAdapter
 
-__all__ = ["SerialAdapter"]
-
 
 class SerialAdapter(LinkAdapter[SerialAdapterConfiguration, SerialLink]):
     """N drives on one serial port; see `LinkAdapter`."""

@@ -13,8 +13,6 @@ from fricomp.joint import Clock, MonotonicClock
 from .driver import Driver
 from .options import AdapterOptions
 
-__all__ = ["STOP_PATIENCE", "StoppableDriver", "reason_of"]
-
 STOP_PATIENCE = 0.05
 """How long a stop waits for a write in progress before it goes out beside it [s]; a write takes far less."""
 

@@ -10,8 +10,6 @@ from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCapabilities
 from fricomp.model import Motion
 
-__all__ = ["SCALED_UNITS", "Transmission"]
-
 SCALED_UNITS = ("N·m", "N")
 """Torque in the actuator's own unit, such as ampere, is not scaled by a gear: only the sign carries over."""
 

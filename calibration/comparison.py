@@ -14,8 +14,6 @@ from fricomp.model import FrictionModel
 
 from .normal_load import at_normal_load, own_load
 
-__all__ = ["ModelComparison", "ParameterChange", "compare_models"]
-
 _KNOWN = 1e9
 """Degrees of freedom where the size of a covariance is known, or the model file does not say what it is from."""
 

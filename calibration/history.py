@@ -17,8 +17,6 @@ from fricomp.report import Chart, Panel, Points
 
 from .comparison import ModelComparison, compare_models
 
-__all__ = ["JointHistory", "KeptModel", "Trend", "draw_history", "read_histories"]
-
 _DAY = 86_400.0
 _FEWEST = 3
 """Models from which on a trend has an interval: two points always lie on a line."""

@@ -14,8 +14,6 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray, LoadScaling, Term
 from fricomp.model import Covariance, FrictionModel
 
-__all__ = ["at_normal_load", "own_load"]
-
 _DRY = ("coulomb_torque", "static_torque")
 
 

@@ -14,8 +14,6 @@ from fricomp.report import Chart, Panel, Points, Rule
 from .identification import IdentificationResult
 from .identification.report.chart import REACH
 
-__all__ = ["Score", "SeedStudy", "score"]
-
 
 @dataclass(frozen=True)
 class Score:

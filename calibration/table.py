@@ -22,8 +22,6 @@ from fricomp.recording.sources.text import read_lines
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT
 
-__all__ = ["FrictionTable", "is_friction_table", "read_friction_table"]
-
 _REQUIRED = ("velocity", "torque")
 
 

@@ -23,28 +23,6 @@ FricompError
 
 from __future__ import annotations
 
-__all__ = [
-    "AdapterConfigurationError",
-    "AdapterConnectionError",
-    "AdapterError",
-    "AdapterTimeout",
-    "AdapterValueError",
-    "DiagnosisError",
-    "DriveFault",
-    "DriveHeld",
-    "ExportError",
-    "FricompError",
-    "IdentificationError",
-    "MissingExtraError",
-    "ModelFileError",
-    "OutputError",
-    "ParameterError",
-    "RecordingError",
-    "SafetyTrip",
-    "SimulationFileError",
-    "SweepAborted",
-]
-
 
 class FricompError(Exception):
     """Base of every error of this library."""

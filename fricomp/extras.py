@@ -8,8 +8,6 @@ from importlib.util import find_spec
 
 from fricomp.errors import MissingExtraError
 
-__all__ = ["REPORT", "extra_for", "is_installed", "require"]
-
 REPORT = ("matplotlib", "jinja2", "plotly")
 """What draws a report: imported last of all, and asked for before anything moves or is thrown away."""
 

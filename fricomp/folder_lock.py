@@ -28,8 +28,6 @@ try:
 except ImportError:  # on a system without it nothing is locked
     fcntl = None  # type: ignore[assignment]
 
-__all__ = ["LOCK_FILE", "FolderLock", "LockRecord"]
-
 LOCK_FILE = ".fricomp.lock"
 
 _LONGEST_COMMAND = 300  # characters of a command line that are told

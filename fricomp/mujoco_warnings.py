@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["silence_mujoco"]
-
 
 @contextmanager
 def silence_mujoco() -> Iterator[None]:

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from html import escape
 from math import floor, isfinite, log10
 
-__all__ = ["AT_BOUND", "Overview", "OverviewTable", "Shown", "format_range", "format_with_reach"]
-
 AT_BOUND = "at the bound"
 """Said of a number that stands where its domain or the search for it ends: the data ask for more than that."""
 

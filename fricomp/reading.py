@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 
-__all__ = ["ReadingWatcher", "tell_reading", "watch_reading"]
-
 ReadingWatcher = Callable[[str], AbstractContextManager[Callable[[float], None]]]
 """Given the name of a file, a context whose value is called with the share that is read [0 to 1]."""
 

@@ -10,8 +10,6 @@ from numpy.polynomial import Polynomial
 
 from fricomp.errors import MissingExtraError, SimulationFileError
 
-__all__ = ["Mimic", "compile_simulation", "compile_specification", "list_mimics", "read_specification"]
-
 _NO_MASS, _NO_INERTIA = 1e-9, 1e-12
 """[kg] and [kg·m²] of moving bodies that a file gives none: nothing beside any link."""
 

@@ -6,8 +6,6 @@ from typing import Any, TypeVar, overload
 
 import msgspec
 
-__all__ = ["find_size_limit", "parse_json", "parse_toml"]
-
 _T = TypeVar("_T")
 
 _LEAST_LIMIT = 2**30

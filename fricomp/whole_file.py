@@ -10,8 +10,6 @@ from secrets import token_hex
 
 from fricomp.errors import FricompError, OutputError
 
-__all__ = ["remove_abandoned_parts", "whole_file", "write_whole"]
-
 _PART = re.compile(r"\.(?P<node>[\w-]+)\.(?P<pid>\d+)\.[0-9a-f]{8}\.part")
 """Ending of an unfinished file: the host and the process that write it, and a random number."""
 _LONGEST_STEM = 100  # characters of a file's name in that of its unfinished one: a file system takes 255 bytes

@@ -12,8 +12,6 @@ from .configuration import CanOpenConfiguration
 from .drive import CanOpenDrive
 from .process_data import COMMAND_OBJECTS, STATE_OBJECTS
 
-__all__ = ["declare", "highest_rate"]
-
 _MODES: tuple[CommandMode, ...] = ("torque", "velocity", "position")
 
 

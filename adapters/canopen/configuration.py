@@ -6,8 +6,6 @@ from math import inf
 
 from ..configuration import CanAdapterConfiguration, JointConfiguration
 
-__all__ = ["CanOpenConfiguration", "CanOpenJointConfiguration"]
-
 
 class CanOpenJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One drive; `id` is its node.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["FAULT_MODE", "FAULT_NOT_ENABLED", "FAULT_RESTARTED", "describe_fault"]
-
 # Beyond the 16 bits of a drive's own error codes.
 FAULT_NOT_ENABLED = 0x10001
 FAULT_MODE = 0x10002

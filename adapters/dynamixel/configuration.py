@@ -5,8 +5,6 @@ from __future__ import annotations
 from ..configuration import JointConfiguration, SerialAdapterConfiguration
 from .control_table import WATCHDOG_COUNT
 
-__all__ = ["DynamixelConfiguration", "DynamixelJointConfiguration"]
-
 
 class DynamixelJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One servo.

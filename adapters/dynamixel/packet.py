@@ -9,23 +9,6 @@ from typing import NamedTuple
 
 from .checksum import add_to_crc, compute_crc, head_crc, position_tables
 
-__all__ = [
-    "BROADCAST",
-    "HEADER",
-    "HEADER_LIKE",
-    "STATUS",
-    "STUFFED",
-    "Instruction",
-    "StatusPacket",
-    "SyncWriter",
-    "bulk_read_packet",
-    "encode_packet",
-    "read_packet",
-    "sync_read_packet",
-    "sync_write_packet",
-    "write_packet",
-]
-
 HEADER = b"\xff\xff\xfd\x00"
 # What looks like a header within a packet, and how it is written so that it does not.
 HEADER_LIKE, STUFFED = b"\xff\xff\xfd", b"\xff\xff\xfd\xfd"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["CanFrame"]
-
 
 class CanFrame(NamedTuple):
     """A classical CAN data frame, or a remote request.

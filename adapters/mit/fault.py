@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["AK_CODES", "CYBERGEAR_BITS", "DAMIAO_CODES", "FAULT_NOT_ENABLED", "FAULT_POSITION_EDGE", "OWN_CODES"]
-
 # Beyond every vendor's own codes.
 FAULT_NOT_ENABLED = 0x1001
 FAULT_POSITION_EDGE = 0x1002

@@ -17,8 +17,6 @@ from ..link import CanFrame
 from .codec import saturate
 from .motor import Motor
 
-__all__ = ["LoopGains", "MotorVelocityLoop", "loop_gains"]
-
 
 @dataclass(frozen=True)
 class LoopGains:

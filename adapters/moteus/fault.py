@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from .codec import MODE_FAULT, MODE_STOPPED, MODE_TIMEOUT
 
-__all__ = ["FAULT_MODE", "describe_fault"]
-
 FAULT_MODE = 0x1000
 """Beyond the controllers' own codes: a mode that ends a command, such as 11, its timeout."""
 

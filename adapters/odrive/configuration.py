@@ -6,8 +6,6 @@ from typing import Literal
 
 from ..configuration import CanAdapterConfiguration, JointConfiguration
 
-__all__ = ["OdriveConfiguration", "OdriveJointConfiguration"]
-
 
 class OdriveJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One axis; `id` is its node.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from ..driver import name_bits
 
-__all__ = ["FAULT_NOT_ENABLED", "FAULT_OF_PART", "describe_fault"]
-
 # Beyond the 32 bits of an axis.
 FAULT_NOT_ENABLED = 0x1_0000_0001
 FAULT_OF_PART = 0x1_0000_0002  # firmware 0.5: motor, encoder or controller report an error of their own

@@ -35,8 +35,6 @@ from .refinement import refine_all
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["BatchIdentification", "identify_batch"]
-
 _FORM = separable_law("stribeck")
 _CHUNK = 4_000_000  # values at once on a processor: 32 MB in each temporary array
 _SHRUNK = 1e-6  # a parameter whose logarithm moves the torque by less than this share of another's is none

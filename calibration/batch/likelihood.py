@@ -18,17 +18,6 @@ from .points import BRANCH, PointBatch
 if TYPE_CHECKING:
     import torch
 
-__all__ = [
-    "BatchNoise",
-    "Curve",
-    "Linearised",
-    "compute_bounded_curve",
-    "compute_curve",
-    "compute_information",
-    "likelihood_of",
-    "linearise",
-]
-
 BatchNoise = Literal["relative", "absolute"]
 _LEAST_SPREAD = 1e-14
 """Residuals below this fraction of the torque are rounding."""

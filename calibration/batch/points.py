@@ -17,8 +17,6 @@ from ..identification.estimation.observation import Observations, observe
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["BRANCH", "PointBatch", "observe_all", "stack_points"]
-
 BRANCH = 4
 """Parameters in a direction: Coulomb torque, static torque, Stribeck velocity, viscous coefficient."""
 

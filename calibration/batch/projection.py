@@ -15,8 +15,6 @@ from .points import BRANCH, PointBatch
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["Basins", "Starts", "find_starts", "scan_basins"]
-
 _GRID = 48
 _SMALLEST = 1e-3
 """A linear parameter that projection puts at zero starts at this fraction of its column's scale."""

@@ -11,8 +11,6 @@ from .points import PointBatch
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["refine_all"]
-
 _ITERATIONS = 300
 _STEP = 1e-10  # of a logarithm: smaller ones end a search
 _DROP = 1e-13  # relative fall of the cost that counts as none

@@ -13,8 +13,6 @@ from fricomp.laws import FloatArray
 from ..identification import identify
 from .identification import identify_batch
 
-__all__ = ["Throughput", "draw_joints", "draw_parameters", "measure_throughput"]
-
 _SPEEDS = np.geomspace(0.01, 1.0, 40)  # [rad/s] of the plateaus in each direction
 
 

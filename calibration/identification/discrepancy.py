@@ -23,8 +23,6 @@ from .estimation.observation import Observations
 from .estimation.optimum import Optimum, fit_likelihood, optimum_at
 from .result import IdentificationResult
 
-__all__ = ["DATA_DRIVEN", "WEIGHTS", "DiscrepancyNetwork", "fit_discrepancy", "train_towards"]
-
 DATA_DRIVEN = 1e-8
 """Weight of the closed form in a network that is purely data-driven; not zero, to keep the training well posed."""
 WEIGHTS = (np.inf, 100.0, 10.0, 1.0, 0.1, DATA_DRIVEN)

@@ -16,8 +16,6 @@ from .inference.verdict import find_vague, vague_message
 from .result import IdentificationResult
 from .status import Status
 
-__all__ = ["doubted", "refuse_impossible", "with_covariance", "with_open_profiles"]
-
 
 def with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
     """`result` with a covariance that knows more than the scatter of independent samples, and judged by it.

@@ -23,8 +23,6 @@ from .estimation.optimum import fit_likelihood
 from .options import DEFAULT_OPTIONS, IdentificationOptions
 from .status import Status
 
-__all__ = ["DynamicIdentification", "identify_dynamic", "simulate_bristle"]
-
 _STEP = 1e-6
 """Step of the logarithms for the derivative; the output is smooth in them."""
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")

@@ -11,8 +11,6 @@ from .estimation.optimum import optimum_at
 from .result import IdentificationResult
 from .status import Status
 
-__all__ = ["FIXED_LAW", "FREE_LAW", "asks_for_exponent", "is_shown"]
-
 FIXED_LAW, FREE_LAW = "stribeck", "free_stribeck"
 _CHANCE = 1e-3
 """Chance at which points of an exponent of 2 ask for another one: a free exponent widens every interval of the bend."""

@@ -28,8 +28,6 @@ from .options import DEFAULT_OPTIONS, IdentificationOptions
 from .provenance import compute_provenance
 from .result import IdentificationResult, NoiseEstimate
 
-__all__ = ["Loss", "Method", "identify", "refuse_dynamic", "require_choice"]
-
 Method = Literal["pinn", "least_squares"]
 Loss = Literal["gaussian", "robust"]
 _BEHIND = 0.5 * CLOSE_ENOUGH**2

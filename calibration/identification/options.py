@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from fricomp.model import Motion
 
-__all__ = ["DEFAULT_OPTIONS", "IdentificationOptions"]
-
 
 @dataclass(frozen=True)
 class IdentificationOptions:

@@ -14,8 +14,6 @@ from .estimation.observation import Observations
 from .inference.verdict import Verdict
 from .result import NoiseEstimate
 
-__all__ = ["compute_provenance"]
-
 
 def compute_provenance(
     points: Observations,

@@ -31,8 +31,6 @@ from .status import Status
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["IdentificationResult", "NoiseEstimate"]
-
 
 _WIDER = 1.5
 """The exported network follows the closed form up to this multiple of the fastest speed measured."""

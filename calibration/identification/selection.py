@@ -18,8 +18,6 @@ from .estimation.observation import Observations, observe
 from .estimation.optimum import fit_likelihood
 from .estimation.start import scan_basins
 
-__all__ = ["LawChoice", "choose_law"]
-
 _FOLDS = 5
 
 

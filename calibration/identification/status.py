@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-__all__ = ["Status"]
-
 
 class Status(StrEnum):
     """How an identification ended; the points of `LACK_OF_FIT` do not follow the law within their scatter."""

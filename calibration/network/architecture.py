@@ -11,16 +11,6 @@ import numpy as np
 
 from fricomp.laws import FloatArray, Scalar
 
-__all__ = [
-    "LAYER_SIZES",
-    "Layer",
-    "TanhNetwork",
-    "forward",
-    "forward_with_jacobian",
-    "join_parameters",
-    "split_parameters",
-]
-
 LAYER_SIZES = (2, 20, 20, 20, 1)
 
 

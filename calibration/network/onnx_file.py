@@ -14,8 +14,6 @@ from fricomp.whole_file import write_whole
 
 from .architecture import TanhNetwork
 
-__all__ = ["OPSET", "save_network"]
-
 OPSET = 17
 """Operator set written; every operator used exists unchanged since set 13."""
 _IR_VERSION = 8

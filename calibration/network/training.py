@@ -14,16 +14,6 @@ from fricomp.laws import FloatArray
 
 from .architecture import LAYER_SIZES, Layer, TanhNetwork, forward_with_jacobian
 
-__all__ = [
-    "Damping",
-    "TrainingLimits",
-    "damped_kernel",
-    "damped_step",
-    "initial_layers",
-    "solve_output_layer",
-    "train_network",
-]
-
 _STEEP_UNITS = 2
 _GAIN = 1.5
 _ROUNDING = 1e-14

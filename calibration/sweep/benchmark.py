@@ -15,8 +15,6 @@ from .planning.settings import SweepSettings
 from .request import CalibrationRequest
 from .run_folder import RunFolder
 
-__all__ = ["study_seeds"]
-
 
 def study_seeds(
     make_adapter: Callable[[int], JointAdapter],

@@ -15,8 +15,6 @@ from .request import CalibrationRequest
 from .rigid_body import RigidBody
 from .watch import SweepWatch
 
-__all__ = ["open_joint"]
-
 
 @contextmanager
 def open_joint(request: CalibrationRequest, watch: SweepWatch | None = None) -> Iterator[SweepContext]:

@@ -12,8 +12,6 @@ from .analysis.analysis import parse_load
 from .estimate import IdentificationSettings
 from .planning.settings import SweepSettings
 
-__all__ = ["CalibrationOptions", "CalibrationRequest"]
-
 
 @dataclass(frozen=True)
 class CalibrationOptions:

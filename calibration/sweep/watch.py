@@ -14,8 +14,6 @@ from .analysis.block import BlockLabel, SweepData
 from .analysis.point import measure_points, without_transient
 from .analysis.steadiness import REASONS
 
-__all__ = ["SweepWatch", "measure_live_point"]
-
 
 class SweepWatch(Protocol):
     """What a page that shows a sweep offers; neither call waits for anybody."""

@@ -25,8 +25,6 @@ from fricomp.results import IDENTIFICATION, claim_folder
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Identification", "write_identification"]
-
 
 @dataclass(frozen=True, repr=False)
 class Identification(Shown):

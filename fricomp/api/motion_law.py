@@ -15,8 +15,6 @@ from fricomp.calibration.motion.rigid_body import MotionIdentification, identify
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import IdentificationError
 
-__all__ = ["USUAL_LAW", "identify_with_law"]
-
 USUAL_LAW = "stribeck"
 """Law of a recording for which none is asked."""
 _PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW = "coulomb_viscous", "symmetric_stribeck", "asymmetric_coulomb_viscous"

@@ -12,8 +12,6 @@ from rich.table import Table
 from rich.text import Text
 from typer import rich_utils
 
-__all__ = ["HelpTable", "whole_names"]
-
 _LEAST = 24
 """Columns that a description needs beside its option: some three words."""
 

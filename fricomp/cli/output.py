@@ -18,8 +18,6 @@ import typer
 
 from fricomp.cli.option.panel import output_option
 
-__all__ = ["Said", "hearing", "print_json", "with_output_options"]
-
 
 @dataclass
 class Said:

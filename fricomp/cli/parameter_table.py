@@ -11,8 +11,6 @@ from fricomp.cli.terminal import Table
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.overview import format_with_reach
 
-__all__ = ["parameter_table", "print_verdict"]
-
 _APART = 0.25
 """By how much of its half an interval may differ from that by profile likelihood, and still be called symmetric."""
 

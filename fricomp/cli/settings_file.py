@@ -15,8 +15,6 @@ from fricomp.errors import ParameterError
 from fricomp.results import claim_single_files
 from fricomp.whole_file import write_whole
 
-__all__ = ["OF_ONE_CALL", "use_settings", "write_settings"]
-
 OF_ONE_CALL = (
     "out",
     "dry_run",

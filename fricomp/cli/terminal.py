@@ -21,9 +21,6 @@ from rich.text import Text
 
 from fricomp.cli.output import hearing
 
-__all__ = ["Table", "console", "plain", "progress", "resumable"]
-
-
 _CONTROL = {code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if chr(code) not in "\n\t"}
 _CONTROL |= {
     code: f"\\u{code:04x}" for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A), *range(0xD800, 0xE000))

@@ -13,8 +13,6 @@ from fricomp.cli.out_folder import Overwrite
 if TYPE_CHECKING:
     from fricomp.sim_bench.twins import DriveTwin
 
-__all__ = ["app", "twin"]
-
 app = typer.Typer(add_completion=False)
 
 _MARK = "# Written by fricomp twin; the next one replaces it."

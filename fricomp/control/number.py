@@ -5,8 +5,6 @@ from __future__ import annotations
 from numbers import Real
 from typing import Any, TypeGuard
 
-__all__ = ["LARGEST_NUMBER", "is_number"]
-
 LARGEST_NUMBER = 1e12
 """Beyond every torque, speed, gain and time of a joint in SI [1]; products of such numbers do not overflow."""
 

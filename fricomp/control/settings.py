@@ -10,8 +10,6 @@ from typing import Literal
 from fricomp.control.number import LARGEST_NUMBER, is_number
 from fricomp.errors import ParameterError
 
-__all__ = ["NO_LIMITS", "CompensationSettings", "DriveLimits", "LoopDynamics", "Source"]
-
 Source = Literal["reference", "blend", "measured"]
 
 

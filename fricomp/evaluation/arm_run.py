@@ -15,8 +15,6 @@ from fricomp.laws.tracing import find_inputs
 from .equation import advance_states, resist
 from .stacked_law import group_laws
 
-__all__ = ["ArmRun"]
-
 _LEAST_DRY = 1e-9
 """[N·m] or [N] of dry friction that every joint has: MuJoCo makes its constraint of such alone."""
 

@@ -23,17 +23,6 @@ from fricomp.model import JointDynamics
 
 from .motion import MotionPart
 
-__all__ = [
-    "Along",
-    "JointEquation",
-    "Resistance",
-    "advance_states",
-    "align_torque",
-    "follow_law",
-    "list_dynamic",
-    "resist",
-]
-
 _STEP = 1e-6  # of a velocity over the fastest one, by which the slope of a term with a memory is taken
 _COLUMNS = ("velocity", "position", "acceleration", "load_torque", "temperature", "normal_load")
 

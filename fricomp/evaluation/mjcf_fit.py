@@ -42,8 +42,6 @@ from .result import PositionError
 from .settings import EVALUATION, MJCF
 from .simulated_joint import SimulatedJoint, read_simulated_joint
 
-__all__ = ["MjcfFit", "fit_mjcf"]
-
 _GRAVITY = 9.81  # [m/s²]
 _LIGHT = 1e-9  # [kg] and [kg·m²] of what has none
 _WAYS: tuple[MjcfWay, ...] = ("dcmotor", "frictionloss")

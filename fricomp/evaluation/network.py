@@ -12,8 +12,6 @@ from fricomp.control.compensation.network_file import open_graph
 from fricomp.errors import ModelFileError
 from fricomp.laws import FloatArray, OperatingPoint, Parts, Term
 
-__all__ = ["NetworkTerm"]
-
 _NEXT_TO_REST = 1e-6  # [rad/s] or [m/s]
 _COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperature", "acceleration")
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["EVALUATION", "HORIZONS", "MJCF", "REFIT", "EvaluationSettings", "MjcfSettings", "RefitSettings"]
-
 HORIZONS = (0.1, 0.5, 2.0)
 """Times after which the position error of an open-loop simulation is measured [s]."""
 

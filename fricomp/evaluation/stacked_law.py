@@ -14,8 +14,6 @@ import numpy as np
 
 from fricomp.laws import FrictionLaw
 
-__all__ = ["LawGroup", "group_laws"]
-
 
 @dataclass(frozen=True)
 class LawGroup:

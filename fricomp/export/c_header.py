@@ -26,8 +26,6 @@ from fricomp.laws.lagged import follow_velocity
 from fricomp.laws.stribeck import compute_dry_level, compute_falling_share
 from fricomp.model import FrictionModel, encode_model
 
-__all__ = ["render_c_header"]
-
 _LONGEST_PERIOD = 10.0
 """Control periods end here [s], as in `Compensator`."""
 

@@ -10,8 +10,6 @@ import numpy as np
 from fricomp.laws.expression import Expression
 from fricomp.laws.source import Language, print_source
 
-__all__ = ["C"]
-
 _LARGEST_FLOAT, _LARGEST_DOUBLE = float(np.finfo(np.float32).max), sys.float_info.max
 
 

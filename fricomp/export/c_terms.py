@@ -9,8 +9,6 @@ from fricomp.control import CompensationSettings
 from fricomp.control.compensation.extra_terms import TURNS_FORWARD, ExtraFormulas, find_bounds
 from fricomp.export.c_source import C
 
-__all__ = ["EXTRA_CHECKS", "EXTRA_FIELDS", "render_extra"]
-
 EXTRA_FIELDS = """    $real position;           /* [$position_unit] */
     $real load_torque;        /* torque that the joint transmits to its load [$torque_unit] */
     $real temperature;        /* [degrees Celsius] */

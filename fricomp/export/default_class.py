@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-__all__ = ["joint_type"]
-
 
 def joint_type(root: ET.Element, joint: ET.Element) -> str | None:
     """The type of `joint`: its own, that of its default class or one around that, or `hinge`.

@@ -10,8 +10,6 @@ from fricomp.control.compensation.choice import choose_settings
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
-__all__ = ["Fidelity", "compute_fidelity", "fit_levels", "sample_friction"]
-
 _POINTS = 200
 
 

@@ -8,8 +8,6 @@ from fricomp.control.compensation.network_file import read_largest_torques, read
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import ExportError
 
-__all__ = ["join_facts"]
-
 _OF_ONE_FILE = ("opset",)
 
 

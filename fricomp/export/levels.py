@@ -14,8 +14,6 @@ from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, samp
 from fricomp.laws import FrictionLaw, Term, trace_parts
 from fricomp.model import FrictionModel
 
-__all__ = ["FrictionLevels", "drop_terms", "find_held_terms", "fit_friction_levels", "require_torque"]
-
 
 @dataclass(frozen=True)
 class FrictionLevels:

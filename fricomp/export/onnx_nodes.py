@@ -10,8 +10,6 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.laws.expression import Call, Expression, Number, Symbol, as_expression
 
-__all__ = ["OPERATORS", "NodeWriter", "make_column", "merge_joints"]
-
 OPERATORS: Mapping[str, str] = {
     "add": "Add",
     "subtract": "Sub",

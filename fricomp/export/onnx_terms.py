@@ -13,8 +13,6 @@ from fricomp.laws import Parts, Term, TracedPoint, trace_parts
 from fricomp.laws.expression import Call, Expression, Symbol
 from fricomp.laws.stribeck import compute_dry_level, compute_falling_share
 
-__all__ = ["closed_form"]
-
 _VELOCITY: Any = Symbol("velocity")
 _SPEED: Any = Call("absolute", _VELOCITY)
 _IS_FORWARD: Any = _VELOCITY >= 0.0

@@ -20,8 +20,6 @@ from fricomp.export.levels import drop_terms, find_held_terms, fit_friction_leve
 from fricomp.laws import Cogging, FloatArray, SpringTorque
 from fricomp.model import FrictionModel
 
-__all__ = ["MJCF_WAYS", "MjcfWay", "SimulatorExport", "apply_to_mjcf", "apply_to_urdf", "export_mjcf", "export_urdf"]
-
 MjcfWay = Literal["dcmotor", "damping", "frictionloss"]
 MJCF_WAYS: tuple[MjcfWay, ...] = ("dcmotor", "damping", "frictionloss")
 

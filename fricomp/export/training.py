@@ -17,8 +17,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 from fricomp.export.levels import FrictionLevels
 
-__all__ = ["TRAINING_FORMATS", "render_training"]
-
 
 def render_training(levels: Sequence[FrictionLevels], to: str) -> str:
     """Settings of one joint or several as text that can be pasted or loaded.

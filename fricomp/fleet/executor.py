@@ -23,8 +23,6 @@ from urllib.parse import parse_qsl
 
 from fricomp.errors import DiagnosisError, MissingExtraError
 
-__all__ = ["EXECUTORS", "SerialExecutor", "always", "open_executor", "stream"]
-
 EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://tls://host:port?ca=&cert=&key=, dask://local:N"
 
 _ADDRESS = re.compile(

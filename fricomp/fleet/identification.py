@@ -31,8 +31,6 @@ from .rows import FleetRow, begin_fleet, collect_rows
 from .run import Parcel, at_home, failed_row, is_kept, land, pack, write_failed
 from .severity import Severity, rate_row
 
-__all__ = ["identification_row", "identification_table", "identify_tables", "write_identification_fleet"]
-
 _DEVIATION = ".standard_deviation"
 _FACTS = (
     *("name", "error", "seconds", "recordings", "simulation", "joint", "friction", "sha256", "written"),

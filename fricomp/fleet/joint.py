@@ -17,8 +17,6 @@ from fricomp.errors import RecordingError
 from fricomp.recording.named.source import is_bag_folder
 from fricomp.untrusted import parse_toml
 
-__all__ = ["FleetJoint", "find_recordings", "is_joint_table", "list_joints", "read_joint_table"]
-
 _SUFFIXES = (".csv", ".parquet", ".pq")
 _MAGIC = "*?["
 _OF_FLEET = ("rows", "fleet.json", "fleet.html", "fleet.parquet")  # what lies beside the folders of the joints

@@ -15,8 +15,6 @@ from fricomp.whole_file import whole_file, write_whole
 
 from .joint import FleetJoint
 
-__all__ = ["FleetRow", "begin_fleet", "collect_rows", "has_row", "read_rows", "write_row", "write_rows"]
-
 FleetRow = dict[str, Any]
 
 _SETTINGS = "fleet.json"

@@ -26,18 +26,6 @@ from .executor import stream
 from .joint import FleetJoint
 from .rows import FleetRow, begin_fleet, collect_rows, has_row, write_row
 
-__all__ = [
-    "Parcel",
-    "Work",
-    "at_home",
-    "failed_row",
-    "is_kept",
-    "land",
-    "pack",
-    "run_fleet",
-    "write_failed",
-]
-
 Work = Callable[[FleetJoint, Path], FleetRow]
 """Does one joint: gets it and the folder to write into, and gives its row. A module's function, so that it travels."""
 

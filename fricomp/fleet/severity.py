@@ -8,8 +8,6 @@ from typing import Any
 
 from fricomp.control.compensation.trust import find_doubt_in_status
 
-__all__ = ["Severity", "rate_row"]
-
 
 class Severity(IntEnum):
     """The worst is the largest."""

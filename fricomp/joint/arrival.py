@@ -10,8 +10,6 @@ from fricomp.errors import AdapterTimeout
 from .clock import Clock
 from .exchange import JointFeedback
 
-__all__ = ["FeedbackSource", "await_feedback"]
-
 _PATIENCE = 1.0  # [s]
 
 

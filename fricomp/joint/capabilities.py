@@ -8,8 +8,6 @@ from typing import Literal
 
 from fricomp.model import Motion
 
-__all__ = ["Capabilities", "CommandMode", "JointCapabilities", "TorqueKind", "Watchdog"]
-
 CommandMode = Literal["torque", "velocity", "position"]
 TorqueKind = Literal["measured", "estimated", "commanded"]
 

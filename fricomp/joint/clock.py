@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from typing import Protocol
 
-__all__ = ["Clock", "MonotonicClock", "stands_still"]
-
 
 class Clock(Protocol):
     """Time in nanoseconds that never goes back."""

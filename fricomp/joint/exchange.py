@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from math import nan
 
-__all__ = ["JointCommand", "JointFeedback"]
-
 
 class JointCommand:
     """What the joints are told. Entries that the mode in use does not need are ignored.

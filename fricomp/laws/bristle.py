@@ -18,8 +18,6 @@ from fricomp.laws.stribeck import (
 )
 from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, require_nonnegative, require_positive
 
-__all__ = ["Dahl", "LuGre", "advance_bristle", "bristle_torque"]
-
 
 def advance_bristle(z: Any, v: Any, steady: Any, dt: Any) -> Any:
     """Bristle deflection after `dt` [s] of z' = v - |v| z / z_ss, which is linear in z while v is constant.

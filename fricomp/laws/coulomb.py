@@ -11,8 +11,6 @@ import numpy as np
 from fricomp.laws.load import LoadScaling
 from fricomp.laws.term import OperatingPoint, Parts, Term, require, require_nonnegative, require_positive
 
-__all__ = ["Coulomb", "SmoothedCoulomb", "Viscous"]
-
 _LOAD_UNITS = {"load_sensitivity": "1", "reference_load": "as normal_load"}
 
 

@@ -10,8 +10,6 @@ import numpy as np
 
 from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, Ranges, require_nonnegative, require_positive
 
-__all__ = ["DwellStiction"]
-
 
 @dataclass(frozen=True)
 class DwellStiction(DynamicTerm):

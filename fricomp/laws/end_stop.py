@@ -10,8 +10,6 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Scalar, Term, require, require_finite, require_nonnegative
 
-__all__ = ["EndStop"]
-
 
 @dataclass(frozen=True)
 class EndStop(Term):

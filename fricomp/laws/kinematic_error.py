@@ -11,8 +11,6 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Ranges, Term, require_finite, require_nonnegative
 
-__all__ = ["KinematicError"]
-
 
 @dataclass(frozen=True)
 class KinematicError(Term):

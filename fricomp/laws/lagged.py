@@ -12,8 +12,6 @@ from fricomp.laws.bristle import LuGre
 from fricomp.laws.stribeck import BidirectionalStribeck, dry_level_of_direction, viscous_torque
 from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, require_positive
 
-__all__ = ["LaggedLuGre", "LaggedStribeck", "follow_velocity"]
-
 
 @dataclass(frozen=True)
 class LaggedStribeck(BidirectionalStribeck, DynamicTerm):

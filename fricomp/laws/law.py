@@ -11,8 +11,6 @@ import numpy as np
 from fricomp.errors import ParameterError
 from fricomp.laws.term import DynamicTerm, OperatingPoint, Scalar, Term, require
 
-__all__ = ["FrictionLaw", "LawState"]
-
 LawState = tuple[Scalar, ...]
 
 

@@ -7,8 +7,6 @@ from typing import Any
 
 from fricomp.laws.term import OperatingPoint, require_nonnegative, require_positive
 
-__all__ = ["LoadScaling"]
-
 
 @dataclass(frozen=True)
 class LoadScaling:

@@ -10,8 +10,6 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite
 
-__all__ = ["LoadDriving"]
-
 
 @dataclass(frozen=True)
 class LoadDriving(Term):

@@ -8,8 +8,6 @@ from typing import ClassVar
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative
 
-__all__ = ["LoadQuadratic"]
-
 
 @dataclass(frozen=True)
 class LoadQuadratic(Term):

@@ -10,8 +10,6 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative, require_positive
 
-__all__ = ["LoadStribeck"]
-
 
 @dataclass(frozen=True)
 class LoadStribeck(Term):

@@ -10,8 +10,6 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative
 
-__all__ = ["QuadraticDrag"]
-
 
 @dataclass(frozen=True)
 class QuadraticDrag(Term):

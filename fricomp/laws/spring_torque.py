@@ -8,8 +8,6 @@ from typing import ClassVar
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite, require_nonnegative
 
-__all__ = ["SpringTorque"]
-
 
 @dataclass(frozen=True)
 class SpringTorque(Term):

@@ -10,8 +10,6 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite, require_positive
 
-__all__ = ["STRONGEST_FALL", "ThermalFriction"]
-
 STRONGEST_FALL = 3.0
 """Most that the logarithm of viscous friction changes [1]: no temperature, however wrong, makes it any size."""
 

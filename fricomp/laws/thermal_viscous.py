@@ -8,8 +8,6 @@ from typing import ClassVar
 
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite
 
-__all__ = ["ThermalViscous"]
-
 
 @dataclass(frozen=True)
 class ThermalViscous(Term):

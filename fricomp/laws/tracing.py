@@ -11,8 +11,6 @@ import numpy as np
 from fricomp.laws.expression import Expression, Symbol, as_expression, find_symbols
 from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, Term
 
-__all__ = ["INPUTS", "TracedPoint", "TracedStep", "find_inputs", "trace_parts", "trace_step"]
-
 INPUTS = ("position", "load_torque", "temperature", "acceleration")
 """What a term may draw on besides velocity and normal load."""
 

@@ -9,8 +9,6 @@ from multiprocessing.shared_memory import SharedMemory
 
 from fricomp.joint import JointFeedback
 
-__all__ = ["COLUMNS", "CycleRing"]
-
 COLUMNS = ("position", "velocity", "torque", "temperature", "admitted")
 """Of each joint in a row, after the time [s]: SI, joint side; `admitted` is the torque that the gate let through."""
 

@@ -21,8 +21,6 @@ from urllib.parse import parse_qs, urlsplit
 from .curve import LiveCurve
 from .ring import CycleRing
 
-__all__ = ["LiveState", "serve"]
-
 _MOST_ROWS = 240
 """Rows of one answer; a page that asks five times a second draws more than a thousand a second then."""
 _NICE = 10

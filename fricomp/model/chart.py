@@ -9,8 +9,6 @@ import numpy as np
 from fricomp.laws import Scalar
 from fricomp.report import Chart, Line, Panel
 
-__all__ = ["friction_chart"]
-
 _POINTS = 400
 _SLOWEST = 1e-4
 """Slowest speed drawn as a fraction of the fastest [1]: dense near rest, where the curve bends."""

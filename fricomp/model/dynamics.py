@@ -10,8 +10,6 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.laws.term import require_finite, require_nonnegative, require_positive
 
-__all__ = ["JointDynamics"]
-
 
 @dataclass(frozen=True)
 class JointDynamics:

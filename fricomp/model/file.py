@@ -19,8 +19,6 @@ from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, V
 from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
 
-__all__ = ["MODEL_SCHEMA", "decode_model", "encode_model", "load_model", "model_json_schema", "save_model"]
-
 MODEL_SCHEMA = "fricomp.model/1"
 _FAMILY, _VERSION = MODEL_SCHEMA.split("/")
 _UNIT_OF_LOADS = "as normal_load"

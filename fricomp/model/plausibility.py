@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike
 
 from fricomp.model.model import FrictionModel
 
-__all__ = ["find_impossible"]
-
 _SURE = 2.0
 """Standard deviations below zero from which on an inertia is negative."""
 _FED = 0.05

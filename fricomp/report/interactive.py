@@ -14,8 +14,6 @@ from fricomp.errors import MissingExtraError
 from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule, Values
 from fricomp.report.thinning import thin
 
-__all__ = ["draw_interactive", "plotly_script"]
-
 _SCRIPT = "plotly-cartesian.min.js.gz"
 """The project's own partial build, which has every trace that is drawn here, of the version that plotly brings whole:
 `npm pack plotly.js-cartesian-dist-min`, then `gzip -9 -n`. Its licence stands beside it."""

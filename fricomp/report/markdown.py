@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["format_markdown_table"]
-
 
 def format_markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Headings, a rule and rows, one line each.

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-__all__ = ["draw_figure", "draw_png"]
-
 _DOTS_PER_INCH = 130
 _WIDTH = 1100.0 / 100.0  # [in] for a page of 1100 px at the usual 100 px/in
 _LETTER, _SYMBOL = 8.2, 56.0  # widths that decide how many lines a legend takes [px]

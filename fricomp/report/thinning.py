@@ -8,8 +8,6 @@ import numpy as np
 
 from fricomp.report.chart import Values
 
-__all__ = ["thin"]
-
 
 def thin(x: Values, y: Values, limit: int = 4000) -> tuple[Values, Values]:
     """The curve in at most about `limit` points: the lowest and the highest of each stretch.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-__all__ = ["VirtualClock"]
-
 
 class VirtualClock:
     """Virtual time for tests in lock step; sleeping advances it.

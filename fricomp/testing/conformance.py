@@ -18,8 +18,6 @@ from fricomp.testing.conformance_preparation import PreparationConformance
 from fricomp.testing.conformance_stopping import StoppingConformance
 from fricomp.testing.rig import AdapterRig
 
-__all__ = ["AdapterConformance"]
-
 
 class AdapterConformance(
     PreparationConformance,

@@ -9,8 +9,6 @@ from fricomp.joint import JointCommand, JointFeedback
 from fricomp.testing.rig import AdapterRig
 from fricomp.testing.steps import n_joints, opened, run, start
 
-__all__ = ["CycleConformance"]
-
 
 class CycleConformance:
     """Part of `fricomp.testing.conformance.AdapterConformance`."""

@@ -11,8 +11,6 @@ from fricomp.joint import JointCommand, JointFeedback
 from fricomp.testing.rig import AdapterRig
 from fricomp.testing.steps import cycle, flattened, n_joints, opened, run, start, stopped
 
-__all__ = ["ExchangeConformance"]
-
 
 class ExchangeConformance:
     """Part of `fricomp.testing.conformance.AdapterConformance`."""

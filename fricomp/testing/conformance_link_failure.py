@@ -23,8 +23,6 @@ from fricomp.testing.steps import (
     within_limits,
 )
 
-__all__ = ["LinkFailureConformance"]
-
 
 class LinkFailureConformance:
     """Part of `fricomp.testing.conformance.AdapterConformance`."""

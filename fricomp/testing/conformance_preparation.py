@@ -11,8 +11,6 @@ from fricomp.joint import JointFeedback
 from fricomp.testing.rig import AdapterRig
 from fricomp.testing.steps import LONG, n_joints, opened, start
 
-__all__ = ["PreparationConformance"]
-
 
 class PreparationConformance:
     """Part of `fricomp.testing.conformance.AdapterConformance`."""

@@ -11,8 +11,6 @@ from fricomp.joint import JointFeedback
 from fricomp.testing.rig import AdapterRig
 from fricomp.testing.steps import cycle, n_joints, opened, run, start, stopped, with_errors_of_ours
 
-__all__ = ["StoppingConformance"]
-
 
 class StoppingConformance:
     """Part of `fricomp.testing.conformance.AdapterConformance`."""

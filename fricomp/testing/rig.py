@@ -12,8 +12,6 @@ from fricomp.joint import Capabilities, CommandMode, JointCommand, JointFeedback
 from fricomp.testing.clock import VirtualClock
 from fricomp.testing.faulty_link import FaultyLink
 
-__all__ = ["AdapterRig", "AdapterUnderTest", "GoldenCommand"]
-
 
 class AdapterUnderTest(Protocol):
     """The public face of `fricomp.adapters.JointAdapter`."""

@@ -6,20 +6,6 @@ from fricomp.errors import FricompError
 from fricomp.joint import Capabilities, JointCommand, JointFeedback
 from fricomp.testing.rig import AdapterRig
 
-__all__ = [
-    "LONG",
-    "cycle",
-    "effective_torque",
-    "flattened",
-    "n_joints",
-    "opened",
-    "run",
-    "start",
-    "stopped",
-    "with_errors_of_ours",
-    "within_limits",
-]
-
 LONG = 0.5
 """Longer than any staleness limit or watchdog of a rig [s]."""
 

@@ -11,8 +11,6 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["format_controller", "format_friction", "format_simulation"]
-
 _ARM, _GRAVITY = 0.25, 9.81  # [m] of the centre of mass, [m/s²]
 _UNITS = {
     "coulomb_torque": "N·m", "static_torque": "N·m", "stribeck_velocity": "rad/s", "viscous_coefficient": "N·m·s/rad",

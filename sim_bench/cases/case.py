@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from .sensing import Sensors
 
-__all__ = ["Case", "generate", "record_again"]
-
 
 @dataclass(frozen=True)
 class Case:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from .strength import Concealed
     from .trial import Outcome
 
-__all__ = ["fit_catalogue"]
-
 _Columns = Mapping[str, "NDArray[np.float64]"]
 
 

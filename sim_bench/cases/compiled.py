@@ -9,8 +9,6 @@ from fricomp.errors import MissingExtraError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Record", "compile_cached"]
-
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 
 # One row of a structured array; numba knows its fields, the type checker does not.

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from .dynamics import Motion
     from .sensing import Sensors
 
-__all__ = ["compute_concealed"]
-
 
 def _compute_dry(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.float64]:
     """Dry level of the joint without effects [N·m]."""

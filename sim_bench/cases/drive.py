@@ -6,8 +6,6 @@ import numpy as np
 
 from .compiled import Record, compile_cached
 
-__all__ = ["advance_drive", "compute_command", "read_position"]
-
 
 @compile_cached
 def read_position(q: float, s: Record, p: Record) -> float:

@@ -27,8 +27,6 @@ from .plant import ELEMENTS, STATE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["SAMPLE_PERIOD", "SUBSTEPS", "Motion", "simulate"]
-
 SAMPLE_PERIOD = 1e-3  # [s]
 SUBSTEPS = 20
 _DT = SAMPLE_PERIOD / SUBSTEPS

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from .joint import Joint
 
-__all__ = ["Change", "Effect", "Form", "Kind", "Scene", "Truth", "merge"]
-
 Kind = Literal["physics", "measurement", "parameter", "outside", "signal"]
 
 

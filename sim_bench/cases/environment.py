@@ -6,8 +6,6 @@ import numpy as np
 
 from .compiled import Record, compile_cached
 
-__all__ = ["advance_attached", "compute_position_torque"]
-
 
 @compile_cached
 def compute_position_torque(q: float, v: float, p: Record) -> float:

@@ -11,14 +11,6 @@ import numpy as np
 
 from .compiled import Record, compile_cached
 
-__all__ = [
-    "advance_bristles",
-    "advance_memory",
-    "compute_base_level",
-    "compute_friction_level",
-    "compute_viscous_torque",
-]
-
 _KELVIN = 273.15
 
 

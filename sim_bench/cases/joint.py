@@ -12,8 +12,6 @@ from .plant import CORES, ELEMENTS
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["FAMILIES", "Joint", "draw_joint"]
-
 _BITS = (17, 18, 18, 19, 20)
 
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["CORES", "ELEMENTS", "NEUTRAL", "STATE", "build_plant"]
-
 # Friction cores by the number that the kernel knows them by.
 CORES = {"dahl": 0, "lugre": 1, "gms": 2, "set_valued": 3}
 ELEMENTS = 5  # elasto-plastic elements of the generalised Maxwell-slip core

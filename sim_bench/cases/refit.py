@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from .joint import Joint
     from .sensing import Sensed
 
-__all__ = ["Rows", "build_rows", "compute_enr", "compute_left_after_refit", "compute_weak_form", "find_intervals"]
-
 _WIDTH, _STEP = 42, 21  # [samples] of a window, between windows
 _REST = 2e-3  # [rad/s] below it a joint counts as sticking
 _SHARE = 0.8  # of the energy that a location must carry

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from .dynamics import Motion
     from .joint import Joint
 
-__all__ = ["NOISES", "Sensed", "Sensors", "distort_torque", "draw_sensors", "lag_signal", "sense"]
-
 NOISES = ("white", "coloured", "heavy_tailed", "quantised", "jittered")
 
 

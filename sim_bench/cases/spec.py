@@ -13,8 +13,6 @@ from .joint import FAMILIES
 from .plant import CORES
 from .sensing import NOISES
 
-__all__ = ["CHOICES", "STRENGTHS", "CaseSpec"]
-
 # Wanted effect-to-noise ratios after the base refit.
 STRENGTHS = {"0.1": 0.1, "0.2": 0.2, "0.5": 0.5, "1": 1.0, "2": 2.0, "5": 5.0, "clear": 8.0}
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from .trial import Outcome, Trial
 
-__all__ = ["Concealed", "conceal", "conceal_again"]
-
 _TOLERANCE, _ATTEMPTS, _TINY = 0.05, 12, 1e-9
 
 

@@ -9,8 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["AMBIENT", "draw_temperature", "warm_and_cool"]
-
 AMBIENT = 25.0  # [°C]
 
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from .spec import CaseSpec
 
-__all__ = ["Outcome", "Trial"]
-
 _LOST = 1.5  # [rad] away from the reference a loop counts as unstable
 
 

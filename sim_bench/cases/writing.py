@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from .spec import CaseSpec
     from .strength import Concealed
 
-__all__ = ["ANSWER_SCHEMA", "choose_expected_verdict", "derive_case_id", "write_answer", "write_case"]
-
 ANSWER_SCHEMA = "fricomp.concealed/1"
 _VERDICTS = {
     "outside": "unknown_physics",

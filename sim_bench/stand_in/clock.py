@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from .stand_in import StandIn
 
-__all__ = ["LockStepClock"]
-
 
 class LockStepClock:
     """The clock of a stand-in: `sleep_until` steps it, nothing else moves it.

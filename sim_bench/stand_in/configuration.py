@@ -31,8 +31,6 @@ from .stand_in import JointSettings, StandInSettings
 
 _Settings = TypeVar("_Settings", SensorSettings, ServoSettings, ThermalSettings)
 
-__all__ = ["JointTable", "StandInTable", "read_configuration"]
-
 
 class JointTable(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """One joint; what is left out keeps its default.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sin
 
-__all__ = ["Disturbance", "Sinusoid"]
-
 
 @dataclass(frozen=True)
 class Sinusoid:

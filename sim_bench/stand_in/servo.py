@@ -9,8 +9,6 @@ from typing import Literal
 from fricomp.errors import ParameterError
 from fricomp.joint import CommandMode
 
-__all__ = ["Servo", "ServoMode", "ServoSettings"]
-
 ServoMode = CommandMode | Literal["impedance"]
 """`impedance`: torque from a position and a velocity error with gains that come with every command."""
 

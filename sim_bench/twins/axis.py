@@ -9,8 +9,6 @@ from fricomp.errors import ParameterError
 from ..stand_in import StandIn, StandInSettings
 from ..stand_in.servo import ServoMode
 
-__all__ = ["DriveAxis", "twin_stand_in"]
-
 
 class DriveAxis:
     """Motor, encoder and current loop of a drive.

@@ -9,8 +9,6 @@ import can
 
 from fricomp.adapters.link import CanFrame
 
-__all__ = ["MemoryCanLine", "MemorySerialLine"]
-
 
 class MemoryCanLine:
     """A CAN bus: `link` is the adapter's end, the object itself the twin's."""

@@ -8,8 +8,6 @@ from ..stand_in import StandIn
 from .port import BytePort
 from .twin import DriveTwin
 
-__all__ = ["SerialTwin"]
-
 
 class SerialTwin(DriveTwin):
     """Drives behind a byte stream.

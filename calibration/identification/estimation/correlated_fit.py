@@ -10,8 +10,6 @@ from fricomp.laws import FloatArray
 
 from .information import with_least_variance
 
-__all__ = ["CorrelatedFit", "solve_correlated"]
-
 _Index = np.ndarray[tuple[int], np.dtype[np.intp]]
 
 _RANK = 1e-8

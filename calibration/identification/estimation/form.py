@@ -25,8 +25,6 @@ from fricomp.laws import (
 
 from .observation import Observations
 
-__all__ = ["LARGEST_DRY", "Basis", "SeparableLaw", "Shapes", "separable_law", "separable_law_names"]
-
 Shapes = tuple[float, ...]
 
 _TINY = 1e-300

@@ -15,8 +15,6 @@ from fricomp.laws import FloatArray
 
 from .observation import Observations
 
-__all__ = ["MOST_POINTS", "gather_points"]
-
 MOST_POINTS = 4000
 """Number of points up to which each of them is a row of its own. With more a fit only takes longer."""
 _SPEEDS = 800

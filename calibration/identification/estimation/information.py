@@ -8,8 +8,6 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["UNDETERMINED", "compute_log_deviations", "invert_information", "with_least_variance"]
-
 UNDETERMINED = 1e6
 """Least standard deviation of a logarithm that the information says nothing about. A finite number in the place of
 infinity: JSON has none, and a covariance with it still adds up; whatever weighs by it, such as `fricomp compare` or

@@ -22,8 +22,6 @@ from fricomp.laws import FloatArray
 
 from .observation import Observations
 
-__all__ = ["Noise", "NoiseKind", "Whitened", "parse_noise"]
-
 NoiseKind = Literal["relative", "absolute", "given"]
 _LEAST_SPREAD = 1e-14
 """Residuals below this fraction of the torque are rounding; a likelihood is not computed from them."""

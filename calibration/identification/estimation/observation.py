@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-__all__ = ["LARGEST", "Observations", "observe"]
-
 LARGEST = 1e100
 """Of any number [N·m, N, rad/s, m/s]: squares of it are still finite, and no joint is near it."""
 

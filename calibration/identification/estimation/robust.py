@@ -20,8 +20,6 @@ from .observation import Observations
 from .optimum import Optimum, optimum_at, refine
 from .start import Scan, project_on_columns, starting_points, with_sensitivity
 
-__all__ = ["fit_robust"]
-
 _SUBSETS = 60
 _SHAPES = 9
 _SHAPE_FACTOR = 2.5

@@ -19,16 +19,6 @@ from .form import SeparableLaw, Shapes
 from .likelihood import Noise
 from .observation import Observations
 
-__all__ = [
-    "Scan",
-    "project",
-    "project_on_columns",
-    "project_start",
-    "scan_basins",
-    "starting_points",
-    "with_sensitivity",
-]
-
 _GRID = 48
 _BASINS = 2
 _STARTS = 3

@@ -15,8 +15,6 @@ from ..estimation.form import SeparableLaw
 from ..estimation.observation import Observations
 from ..estimation.optimum import Optimum
 
-__all__ = ["OpenBend", "compute_misfit_p_value", "find_driven_directions", "find_open_bends"]
-
 _WAVES = 5
 """Cosines over the logarithm of speed, a direction, in which a misfit is looked for; fewer with few points."""
 _POINTS_A_WAVE = 4

@@ -15,18 +15,6 @@ from ..estimation.optimum import Optimum
 from ..status import Status
 from .adequacy import OpenBend, compute_misfit_p_value, find_driven_directions, find_open_bends
 
-__all__ = [
-    "BASIN_GAP",
-    "CLOSE_ENOUGH",
-    "RIVAL",
-    "Verdict",
-    "covariance_of",
-    "find_vague",
-    "judge",
-    "nearest_rival",
-    "vague_message",
-]
-
 BASIN_GAP = 0.01
 """Difference in negative log-likelihood beyond which another basin is better."""
 CLOSE_ENOUGH = 0.05

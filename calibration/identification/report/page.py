@@ -30,8 +30,6 @@ from ..result import IdentificationResult
 from ..status import Status
 from .chart import network_note, training_chart
 
-__all__ = ["identification_charts", "judge_status", "parameter_rows", "write_identification_report"]
-
 _SEES_STATIC = 0.5
 """Slowest speed over Stribeck velocity up to which points show the static torque: exp(-1/4) = 78 % of what it adds."""
 

@@ -17,8 +17,6 @@ from fricomp.untrusted import parse_json
 from .breakaway import BreakawayRamp
 from .point import SettledPart
 
-__all__ = ["BlockLabel", "Kind", "SweepData", "load_sweep"]
-
 Kind = Literal["tare", "sign_check", "warm_up", "plateau", "breakaway", "motion"]
 
 

@@ -13,8 +13,6 @@ from ...identification.report.chart import REACH
 from .analysis import SweepAnalysis
 from .point import FrictionPoint
 
-__all__ = ["MEASURED", "MODEL", "NETWORK", "REJECTED", "friction_curve"]
-
 # Positions in the palette: measured, model, network, rejected.
 MEASURED, MODEL, NETWORK, REJECTED = 1, 0, 2, 6
 

@@ -12,8 +12,6 @@ from fricomp.recording import Recording
 
 from .steadiness import Verdict, find_transient, judge_plateau, mean_of
 
-__all__ = ["FrictionPoint", "SettledPart", "half_differences", "match_windows", "measure_points", "without_transient"]
-
 
 @dataclass(frozen=True)
 class SettledPart:

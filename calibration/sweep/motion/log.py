@@ -8,8 +8,6 @@ from fricomp.errors import SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 
-__all__ = ["CycleLog"]
-
 
 class CycleLog:
     """Samples of one joint, with the positions of all of them for the rigid-body model.

@@ -11,8 +11,6 @@ from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, Stribec
 from ...identification.estimation.information import compute_log_deviations
 from .plan import SweepPlan
 
-__all__ = ["Assumption", "assume_friction", "expected_deviations"]
-
 
 @dataclass(frozen=True)
 class Assumption:

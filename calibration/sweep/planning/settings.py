@@ -10,8 +10,6 @@ from fricomp.errors import ParameterError
 
 from .speed import parse_speeds
 
-__all__ = ["LoopChoice", "SweepSettings"]
-
 LoopChoice = Literal["auto", "drive", "host"]
 
 

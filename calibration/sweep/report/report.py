@@ -15,8 +15,6 @@ from ...identification.report.page import judge_status
 from ..calibrate import Calibration, mean_relative_deviation
 from .chart import calibration_charts
 
-__all__ = ["calibration_page", "parameter_table", "write_calibration_report"]
-
 
 def write_calibration_report(
     calibration: Calibration, checks: tuple[Check, ...], facts: Mapping[str, str], folder: Path

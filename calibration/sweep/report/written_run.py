@@ -13,8 +13,6 @@ from ..run_folder import RunFolder
 from .check import calibration_checks
 from .report import write_calibration_report
 
-__all__ = ["WrittenRun", "write_run"]
-
 
 @dataclass(frozen=True)
 class WrittenRun:

@@ -6,7 +6,5 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["ExecutorOption", "WorkersOption"]
-
 ExecutorOption = Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")]
 WorkersOption = Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")]

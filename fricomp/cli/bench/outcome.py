@@ -12,8 +12,6 @@ import typer
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.kit.outcome import StudyOutcome
 
-__all__ = ["claim_study", "end_study"]
-
 
 @contextmanager
 def claim_study(out: Path, *packages: str, overwrite: bool) -> Iterator[None]:

@@ -13,8 +13,6 @@ from fricomp.cli.terminal import Table
 from fricomp.report import Chart, draw_png
 from fricomp.whole_file import write_whole
 
-__all__ = ["save_scores", "seed_table"]
-
 _WIDTH = 27
 """Of the longest parameter, in characters."""
 

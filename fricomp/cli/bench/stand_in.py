@@ -9,8 +9,6 @@ import typer
 
 from fricomp.cli.out_folder import Overwrite
 
-__all__ = ["app", "stand_in"]
-
 app = typer.Typer(add_completion=False)
 
 

@@ -29,8 +29,6 @@ from fricomp.whole_file import write_whole
 if TYPE_CHECKING:
     from fricomp.laws import FloatArray
 
-__all__ = ["excite_arm"]
-
 _SCHEMA = "fricomp.excitation/1"
 
 

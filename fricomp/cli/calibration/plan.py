@@ -24,8 +24,6 @@ from fricomp.calibration.sweep.weight import HungWeight, plan_passes
 from fricomp.cli.calibration.torque_constant import N_PASSES
 from fricomp.cli.terminal import Table, console
 
-__all__ = ["print_motion_plan", "print_sweep_plan", "print_torque_constant_plan"]
-
 
 def print_sweep_plan(request: CalibrationRequest) -> None:
     """The plan of a sweep and the accuracy to expect."""

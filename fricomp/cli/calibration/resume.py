@@ -10,8 +10,6 @@ from fricomp.errors import ParameterError
 if TYPE_CHECKING:
     from fricomp.calibration.sweep import CalibrationRequest
 
-__all__ = ["RESUMABLE", "changes", "flags", "refuse_other"]
-
 RESUMABLE = ("normal_load", "method", "noise")
 """Options that change what is made of a sweep, not the sweep."""
 

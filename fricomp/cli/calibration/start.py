@@ -45,8 +45,6 @@ from fricomp.recording import write_recording
 if TYPE_CHECKING:
     from fricomp.live.feed import LiveFeed
 
-__all__ = ["Shown", "follow", "record_file", "resume_run", "start_run"]
-
 
 @dataclass(frozen=True)
 class Shown:

@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from fricomp.diagnosis import Diagnosis
     from fricomp.recording import Recording
 
-__all__ = [
-    "ArmOptions",
-    "Channel",
-    "Gain",
-    "LogMapping",
-    "Match",
-    "Payload",
-    "find_arm_log",
-    "find_payload",
-    "read_joint",
-    "run_arm",
-]
-
 Match = Annotated[
     list[str] | None, arm_option(help="RECORDED=SIMULATED, where names of joints differ; commas between.")
 ]

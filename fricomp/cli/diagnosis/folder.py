@@ -7,8 +7,6 @@ from pathlib import Path
 
 from fricomp.results import DIAGNOSIS, require_free
 
-__all__ = ["RECORD", "check_folder", "require_own"]
-
 RECORD = DIAGNOSIS.record
 _MODEL = "friction.json"
 _REPORT, _SUBTITLE = "report.html", '<p class="subtitle">Diagnosis of '

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from fricomp.diagnosis import DiagnosisRecord
     from fricomp.recording import Recording
 
-__all__ = ["diagnosis_warnings", "distinct_names"]
-
 _TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
 _ALIKE = 0.1  # relative difference of two factors that are one
 _USUAL = 0.1  # that a torque signal is off by for other reasons than a gear

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fricomp.arm.log import ArmLog
     from fricomp.recording import Recording
 
-__all__ = ["Cut", "From", "To"]
-
 From = Annotated[float | None, log_option("--from", help="Leave out what is before this time \\[s].")]
 To = Annotated[float | None, log_option("--to", help="Leave out what is from this time on \\[s].")]
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fricomp.laws import FloatArray
     from fricomp.model import FrictionModel
 
-__all__ = ["LogFile", "claim_log", "log_calibration", "log_run"]
-
 LogFile = Annotated[
     Path | None,
     output_option(

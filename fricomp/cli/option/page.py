@@ -13,8 +13,6 @@ from fricomp.cli.option.panel import output_option
 if TYPE_CHECKING:
     from fricomp.live.feed import LiveFeed
 
-__all__ = ["Live", "OpenPage", "open_page", "watching"]
-
 OpenPage = Annotated[bool, output_option("--open", help="Open the report in the browser, and a live page.")]
 """The option; its default is False."""
 Live = Annotated[

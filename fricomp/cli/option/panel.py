@@ -5,8 +5,6 @@ from typing import Any
 
 import typer
 
-__all__ = ["arm_option", "fleet_option", "log_option", "option_under", "output_option"]
-
 
 def option_under(heading: str) -> partial[Any]:
     """What makes the options under a heading."""

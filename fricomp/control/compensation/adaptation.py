@@ -11,8 +11,6 @@ from fricomp.control.compensation.trust import trusted_curves
 from fricomp.errors import ParameterError
 from fricomp.laws import DynamicTerm
 
-__all__ = ["AdaptationSettings", "OnlineAdaptation"]
-
 _SLIDING_SPEEDS = 4.0  # Stribeck velocities from which the falling branch no longer matters
 _PRIOR_SHARE = 0.01  # information that the identified model always keeps, for what a motion leaves open
 _LEAST_OWN = 1e-12  # of a share that the model says nothing of, such as the dry one of viscous friction alone

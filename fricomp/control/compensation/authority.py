@@ -9,8 +9,6 @@ from fricomp.control.compensation.trust import compute_torque_cap
 from fricomp.laws import Ranges, ThermalFriction, ThermalViscous, find_inputs
 from fricomp.model import FrictionModel
 
-__all__ = ["compute_authority", "compute_breakaway", "find_acceleration_range", "find_temperature_range"]
-
 # Friction from a load of unknown range is trusted up to as much as all other friction together [1].
 _UNKNOWN_LOAD_SHARE = 1.0
 # What follows an acceleration of unknown range, up to as much as all else that its term may ask for [1].

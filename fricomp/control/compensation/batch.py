@@ -8,8 +8,6 @@ from fricomp.control.compensation.curve import FrictionCurves
 from fricomp.control.settings import CompensationSettings
 from fricomp.laws import FloatArray
 
-__all__ = ["compute_compensation", "compute_friction"]
-
 
 def compute_friction(curves: FrictionCurves, velocity: FloatArray) -> FloatArray:
     """Friction torque in steady sliding, zero at rest [N·m] or [N]."""

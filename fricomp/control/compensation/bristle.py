@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from fricomp.control.compensation.curve import FrictionCurves
 
-__all__ = ["FALLING_SHARE_WITHOUT_VELOCITY", "deepest_bend"]
-
 FALLING_SHARE_WITHOUT_VELOCITY = 0.5
 """Share of F_s - F_c that `blend` uses while no velocity is measured: half way between sticking and overshooting."""
 _HEAVIEST = 1e3  # factor of a load on dry friction up to which bristles bend: what a wrong load has bent would last

@@ -15,8 +15,6 @@ from fricomp.control.settings import CompensationSettings, LoopDynamics, Source
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel
 
-__all__ = ["choose_settings"]
-
 # Above this F_s/F_c the falling branch decides the motion at reversals; with a loop given, its damping decides.
 _STICK_SLIP_RATIO = 2.0
 _SHARES = (1.0, 0.75, 0.5, 0.25)

@@ -10,8 +10,6 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray, FrictionLaw, trace_parts
 from fricomp.model import Covariance, FrictionModel
 
-__all__ = ["compute_confident_gain", "compute_friction_deviation"]
-
 _POINTS = 40
 _NORMAL_95 = 1.645  # one-sided 95 % quantile of the normal distribution
 

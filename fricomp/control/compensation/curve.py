@@ -26,8 +26,6 @@ from fricomp.laws import (
 )
 from fricomp.laws.stribeck import compute_dry_level, compute_falling_share
 
-__all__ = ["Bristle", "CurveParameters", "FrictionCurves", "split_law"]
-
 
 class CurveParameters(NamedTuple):
     """F(s) = coulomb + rise exp(-(s/stribeck_velocity)^exponent) + viscous s for one direction, s = |v|.

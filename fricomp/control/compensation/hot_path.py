@@ -18,8 +18,6 @@ from fricomp.control.settings import CompensationSettings
 from fricomp.errors import ParameterError
 from fricomp.laws.source import compile_python
 
-__all__ = ["HotPath", "TorqueFunction", "build_hot_path"]
-
 
 class TorqueFunction(Protocol):
     """Compensation torque of one joint."""

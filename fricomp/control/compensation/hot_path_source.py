@@ -22,8 +22,6 @@ from fricomp.laws.lagged import follow_velocity
 from fricomp.laws.source import print_python, print_python_number
 from fricomp.laws.stribeck import compute_dry_level
 
-__all__ = ["write_hot_path"]
-
 _ARGUMENTS = ("velocity", "position_error", "normal_load", *INPUTS)
 _n = print_python_number
 

@@ -21,8 +21,6 @@ from fricomp.control.compensation.trust import LARGEST_EXTRAPOLATION, find_doubt
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import FloatArray
 
-__all__ = ["NetworkCompensator"]
-
 _WARM_UP, _TIMED = 200, 1000
 _SAMPLES, _LOADS = 101, 5
 _LARGEST_INPUT = float(np.finfo(np.float32).max)

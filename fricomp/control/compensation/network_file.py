@@ -12,17 +12,6 @@ from numpy.typing import NDArray
 
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 
-__all__ = [
-    "Loads",
-    "check_graph",
-    "open_graph",
-    "open_network",
-    "read_largest_torques",
-    "read_loads",
-    "read_velocity_range",
-]
-
-
 _LARGEST_FILE = 64 * 2**20  # [bytes]; those of a thousand joints have a tenth of it
 _GROWING = frozenset(
     ("ConstantOfShape", "Expand", "EyeLike", "GridSample", "OneHot", "Pad", "RandomNormal", "RandomNormalLike",

@@ -25,16 +25,6 @@ from fricomp.laws import (
 )
 from fricomp.model import FrictionModel
 
-__all__ = [
-    "LARGEST_EXTRAPOLATION",
-    "bound_friction",
-    "compute_torque_cap",
-    "find_doubt",
-    "find_doubt_in_status",
-    "require_usable",
-    "trusted_curves",
-]
-
 LARGEST_EXTRAPOLATION = 2.0
 """Friction at speeds that were not measured is at most this multiple of the largest that was [1]. With table I of
 [luo2024pinn], a sweep that starts at the Stribeck velocity itself has to extrapolate by 1.9."""

@@ -16,8 +16,6 @@ from fricomp.control.gate.limits import JointLimits
 from fricomp.control.settings import LoopDynamics
 from fricomp.joint import JointFeedback
 
-__all__ = ["FAILURES", "Failure", "bound_travel"]
-
 _KNOWN_AFTER = 0.1
 """Time that the gate has seen the joint before it fails [s]."""
 _LONGEST = 5.0

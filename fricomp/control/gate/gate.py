@@ -17,8 +17,6 @@ from fricomp.control.number import is_number
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
 
-__all__ = ["ABSURD_TORQUE_RATIO", "SafetyGate", "TripReason", "TripRecord"]
-
 ABSURD_TORQUE_RATIO = 100.0
 """A command this many times the limit is a fault (N·mm for N·m, a diverged controller), not a demand to be clamped."""
 

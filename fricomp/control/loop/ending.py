@@ -12,8 +12,6 @@ from typing import Protocol
 from fricomp.control.loop.interruption import EndingSignals
 from fricomp.errors import AdapterError
 
-__all__ = ["Stoppable", "require_stopped", "stopping_at_exit", "stopping_on_error", "undisturbed"]
-
 _TRIES = 3  # signals raise once in half a second at most
 
 

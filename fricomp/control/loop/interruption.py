@@ -12,14 +12,6 @@ from collections.abc import Iterator
 from types import FrameType
 from typing import Any
 
-__all__ = [
-    "ENDING_SIGNALS",
-    "EndingSignals",
-    "interrupt_on_ending_signals",
-    "interrupting_on_ending_signals",
-    "warn_of_unheard_signals",
-]
-
 ENDING_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
 )

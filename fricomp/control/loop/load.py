@@ -8,8 +8,6 @@ from typing import Protocol, runtime_checkable
 from fricomp.control.loop.position_loop import ReferenceState
 from fricomp.joint import JointFeedback
 
-__all__ = ["LoadModel", "ReportedLoad"]
-
 _TIME_CONSTANT = 0.02  # of the low pass on the reported torque: ten times what a torque sensor's own filter takes [s]
 
 

@@ -31,8 +31,6 @@ from fricomp.joint import (
     await_feedback,
 )
 
-__all__ = ["ControlLoop", "LoopAdapter", "LoopResult"]
-
 
 class LoopAdapter(Stoppable, Protocol):
     """What the loop needs of an adapter; `fricomp.adapters.JointAdapter` has it."""

@@ -12,8 +12,6 @@ from fricomp.control.loop.loop_log import LoopLog
 from fricomp.model import FrictionModel
 from fricomp.report import Band, Chart, Line, Panel, ReportPage, Rule, Section, Table
 
-__all__ = ["build_run_page", "gain_scan_chart", "histogram_panel", "run_chart", "timing_chart"]
-
 
 def gain_scan_chart(check: LoopCheck, joint: str) -> Chart:
     """Swing of the simulated velocity over the gain, and where either finding oscillates."""

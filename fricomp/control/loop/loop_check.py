@@ -18,8 +18,6 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
-__all__ = ["GainScan", "LoopCheck", "check_loop"]
-
 # Times the gain in use; densest where the margin is decided.
 _GAINS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0, 1.05, 1.1, 1.15, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5)
 _SIMULATED_TIME = 1.5  # [s]

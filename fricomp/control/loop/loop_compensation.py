@@ -11,8 +11,6 @@ from fricomp.control.loop.position_loop import ReferenceState
 from fricomp.errors import ParameterError
 from fricomp.joint import JointFeedback
 
-__all__ = ["LoopCompensation"]
-
 
 class LoopCompensation:
     """Compensators, what they are told each cycle, and their adaptation.

@@ -13,8 +13,6 @@ from fricomp.laws import FloatArray
 if TYPE_CHECKING:
     from fricomp.recording import Recording, RecordingMetadata
 
-__all__ = ["LoopLog", "LoopTiming"]
-
 _SIGNALS = (
     "position",
     "velocity",

@@ -15,8 +15,6 @@ from fricomp.control.compensation.curve import FrictionCurves
 from fricomp.control.settings import NO_LIMITS, CompensationSettings, DriveLimits, LoopDynamics
 from fricomp.laws import FloatArray
 
-__all__ = ["LoopCases", "SimulatedLoop", "simulate_loop"]
-
 _SUBSTEPS = 4
 
 

@@ -10,8 +10,6 @@ from typing import Protocol
 from fricomp.errors import ParameterError
 from fricomp.joint import JointFeedback
 
-__all__ = ["Controller", "PositionController", "Reference", "ReferenceState", "SineReference"]
-
 
 class ReferenceState:
     """Reference of all joints at one time; made once, filled every cycle.

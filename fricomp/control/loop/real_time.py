@@ -16,8 +16,6 @@ from dataclasses import dataclass, field
 from fricomp.control.number import is_number
 from fricomp.errors import ParameterError
 
-__all__ = ["RealTimeOptions", "RealTimeReport", "real_time"]
-
 _MCL_CURRENT, _MCL_FUTURE = 1, 2  # mlockall(2)
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30  # prctl(2)
 

@@ -17,8 +17,6 @@ from .plant import PERIOD, ArmRun, run_arm
 from .spec import JOINTS, ArmSpec
 from .strength import measure_strength
 
-__all__ = ["ArmCase", "ConcealedEffect", "generate_arm"]
-
 _PLACE = {name: k for k, name in enumerate(FIELDS)}
 _WARMING, _WARM_TIME = (4.0, 15.0), (20.0, 120.0)  # [K], [s]
 _NOISE = 0.03  # of a joint's Coulomb torque: white noise of a current, and most of it again that is slow

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from .friction import FIELDS
 from .plant import Gap
 
-__all__ = ["ArmChange", "JointScene", "change_joint", "draw_friction"]
-
 _COULOMB = np.array([9.0, 10.0, 6.0, 2.2, 2.0, 1.6])  # [N·m]
 _VISCOUS = np.array([9.0, 9.0, 6.0, 1.8, 1.6, 1.3])  # [N·m·s/rad]
 _PLACE = {name: k for k, name in enumerate(FIELDS)}

@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ArmReference", "build_motion"]
-
 _BASE_PERIOD = 20.0  # [s]
 _HARMONICS = 12
 _RAMP = 2.0  # [s] over which the motion swells from rest

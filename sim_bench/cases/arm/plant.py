@@ -14,8 +14,6 @@ from .friction import solve_step
 from .links import compute_torques, mujoco
 from .motion import ArmReference
 
-__all__ = ["PERIOD", "ArmRun", "Gap", "run_arm"]
-
 PERIOD = 0.002
 """Time between samples [s]."""
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from fricomp.errors import DiagnosisError
 
-__all__ = ["ARM_EFFECTS", "JOINTS", "ArmSpec", "draw_spec", "parse_effect"]
-
 JOINTS = ("base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3")
 """Of the packaged arm, from its foot to its flange."""
 

@@ -18,8 +18,6 @@ from .joints import ArmChange
 from .links import compute_torques
 from .plant import PERIOD, ArmRun
 
-__all__ = ["measure_strength"]
-
 _BLOCK = 50  # samples of a row
 _PLACE = {name: k for k, name in enumerate(FIELDS)}
 

@@ -18,8 +18,6 @@ from .friction import FIELDS
 from .links import LINKS, SIMULATION, describe_links
 from .spec import JOINTS, ArmSpec
 
-__all__ = ["ARM_ANSWER_SCHEMA", "arm_id", "describe_answer", "format_recording", "write_arm_answer", "write_arm_case"]
-
 ARM_ANSWER_SCHEMA = "fricomp.concealed-arm/1"
 
 

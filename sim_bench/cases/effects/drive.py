@@ -7,8 +7,6 @@ import numpy as np
 from ..dynamics import SAMPLE_PERIOD
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 
 def _make_saturation(form: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:

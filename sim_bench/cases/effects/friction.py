@@ -8,8 +8,6 @@ from ..effect import Change, Effect, Form, Scene, Truth
 from ..plant import CORES, NEUTRAL
 from ..temperature import warm_and_cool
 
-__all__ = ["EFFECTS"]
-
 
 def _make_presliding(core: str) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:

@@ -6,8 +6,6 @@ import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 _PER_LOAD = "N·m/N·m"
 
 

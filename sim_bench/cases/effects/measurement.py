@@ -7,8 +7,6 @@ import numpy as np
 from ..dynamics import SAMPLE_PERIOD
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 
 def _make_gain(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     signed = amplitude * float(rng.choice([-1.0, 1.0]))

@@ -9,8 +9,6 @@ import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 _APART = 0.5  # [s] between two pushes, below which nobody could say which of them is which
 
 

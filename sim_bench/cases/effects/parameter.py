@@ -6,8 +6,6 @@ import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 
 def _make_inertia(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     believed = scene.inertia / (1.0 + amplitude * float(rng.choice([-0.6, 1.0])))

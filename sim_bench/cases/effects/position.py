@@ -6,8 +6,6 @@ import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 
 def _describe_ripple(sine: float, cosine: float, order: float) -> dict[str, Truth]:
     """sine sin(n q) + cosine cos(n q)."""

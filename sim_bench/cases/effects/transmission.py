@@ -6,8 +6,6 @@ import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 
-__all__ = ["EFFECTS"]
-
 
 def _make_kinematic(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     order, phase = 2.0 * scene.joint.gear_ratio, rng.uniform(0.0, 2.0 * np.pi)

@@ -15,8 +15,6 @@ from .peers import PeerComparison
 from .serial_can import RoundTrip
 from .soak import SoakResult
 
-__all__ = ["AdapterFigures", "summarise_adapters"]
-
 
 @dataclass(frozen=True)
 class AdapterFigures:

@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 from ..kit.figure import Figure, measure_coverage, measure_median, require_at_least, require_at_most
 from .score import CLEAR, ArmScore, TrueEffect
 
-__all__ = ["Concealed", "JointOf", "compute_figures", "list_concealed"]
-
 
 class Concealed(NamedTuple):
     """One effect in the score of its arm."""

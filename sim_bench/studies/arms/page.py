@@ -12,8 +12,6 @@ from ..proof.settings import RunSettings
 from .figures import compute_figures, list_concealed
 from .score import CLEAR, ArmScore, NamedEffect, TrueEffect
 
-__all__ = ["explain_miss", "write_page"]
-
 
 def write_page(scores: Sequence[ArmScore], settings: RunSettings, page: Path, command: str) -> None:
     """Write the page.

@@ -22,8 +22,6 @@ from ..proof.seal import SealBook
 from ..proof.settings import RunSettings, draw_seeds
 from .score import ArmScore, score_arm
 
-__all__ = ["read_arm_scores", "run_arms"]
-
 _SCORES, _SEALS, _ANSWERS, _DIAGNOSES = "scores.jsonl", "seals.jsonl", "answers", "diagnoses"
 
 _BATCH = 3

@@ -10,8 +10,6 @@ from typing import Any
 from ..kit.blind import BlindAnswer
 from ..kit.interval import KnownInterval
 
-__all__ = ["CLEAR", "ArmScore", "NamedEffect", "TrueEffect", "score_arm"]
-
 CLEAR = 0.5
 """Effect-to-noise ratio from which an effect should be named."""
 

@@ -10,8 +10,6 @@ import numpy as np
 
 from .statistics import compute_share
 
-__all__ = ["Belief", "compute_brier", "list_beliefs", "tabulate_beliefs"]
-
 _NOTHING, _UNKNOWN = "nothing", "unknown"  # the keys of `probability` that are no names
 
 

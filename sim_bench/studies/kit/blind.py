@@ -13,8 +13,6 @@ from tempfile import TemporaryDirectory
 
 from fricomp import version
 
-__all__ = ["BlindAnswer", "Diagnose", "diagnose_arm_blind", "diagnose_blind"]
-
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _PACKAGES = str(Path(version.__file__).resolve().parents[1])
 

@@ -11,8 +11,6 @@ from fricomp.fleet import stream
 from .commit import find_commit
 from .store import Row, RowStore
 
-__all__ = ["run_cases"]
-
 
 def run_cases(
     cases: Mapping[str, tuple[Any, ...]],

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from fricomp import version
 
-__all__ = ["find_commit", "format_measured"]
-
 
 @cache
 def find_commit(folder: Path | None = None) -> str:

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from fricomp.results import Results, claim_folder
 
-__all__ = ["claim_run"]
-
 _ANYTHING = ("[!.]*",)  # but hidden files: a run has a folder to itself
 
 

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["KnownInterval", "compare_parameters"]
-
 
 @dataclass(frozen=True)
 class KnownInterval:

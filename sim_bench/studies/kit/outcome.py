@@ -14,8 +14,6 @@ from fricomp.whole_file import write_whole
 
 from .commit import find_commit, format_measured
 
-__all__ = ["StudyOutcome", "write_outcome"]
-
 
 @dataclass(frozen=True, eq=False)
 class StudyOutcome:

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"
 
-__all__ = ["fill_template", "replace_page", "require_own_page", "write_page"]
-
 
 def fill_template(template: str, **values: Any) -> str:
     """The text of a template with these values in it. Sections that come out empty leave no gap.

@@ -7,8 +7,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["PARAMETERS", "JudgedNames", "judge_names", "list_sets", "read_diagnosis"]
-
 PARAMETERS = frozenset({"inertia_error", "payload_error", "torque_offset", "direction_asymmetry"})
 """Names of parameters that the simulation has, as against physics that it lacks."""
 

@@ -7,16 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = [
-    "MedianEstimate",
-    "ShareEstimate",
-    "compute_clustered_share",
-    "compute_mean",
-    "compute_median",
-    "compute_share",
-    "format_quartiles",
-]
-
 _DRAWS, _SEED = 4000, 7
 """Of the bootstrap of a mean: with 4000 draws the ends of its interval vary by some hundredths of its width."""
 

@@ -13,8 +13,6 @@ from fricomp.control.compensation.choice import choose_settings
 from ...stand_in import DEFAULT_LAW, JointSettings, SimulatedJointAdapter, StandIn, StandInSettings, sensors_for
 from .compensator import N_JOINTS, bench_model
 
-__all__ = ["PacedClock", "run_loop"]
-
 _LONGEST_HALT = 2.0  # [s]
 
 

@@ -17,8 +17,6 @@ from ..kit.outcome import StudyOutcome
 from .compensator import Cost, measure_c, measure_costs, measure_growth, measure_import_ratio, measure_network
 from .loop_timing import run_loop
 
-__all__ = ["N_STEPS", "measure_latency"]
-
 N_STEPS = 5
 """Number of steps of the study that `step` is called after."""
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-__all__ = ["FLAWS", "NAMED", "Flaw", "put_into"]
-
 Flaw = Callable[[Recording, np.random.Generator], Recording]
 
 

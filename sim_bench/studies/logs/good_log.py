@@ -8,8 +8,6 @@ import numpy as np
 
 from fricomp.recording import Recording, RecordingMetadata
 
-__all__ = ["COULOMB", "INERTIA", "VISCOUS", "joint_log"]
-
 INERTIA, COULOMB, VISCOUS = 0.03, 0.4, 0.15
 """Of the joint [kg·m², N·m, N·m·s/rad]."""
 _SWINGS = ((0.6, 0.27), (0.3, 0.71), (0.12, 1.3))

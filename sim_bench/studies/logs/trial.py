@@ -17,8 +17,6 @@ from fricomp.recording import Recording
 from .flaws import FLAWS, NAMED, put_into
 from .good_log import COULOMB, INERTIA, VISCOUS, joint_log
 
-__all__ = ["Outcome", "Trial", "judge_log", "list_cases", "try_case"]
-
 _BIAS = 0.04
 """Part of the truth by which an interval may miss it."""
 _INERTIA = 0.1

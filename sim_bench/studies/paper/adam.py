@@ -13,8 +13,6 @@ from fricomp.laws import FloatArray
 from .comparators import Comparison, build_population_likelihood
 from .problem import Draw
 
-__all__ = ["run_adam"]
-
 _RATE = 1e-3
 _WIDTHS = (2, 20, 20, 20, 1)
 

@@ -9,8 +9,6 @@ from scipy.signal import butter, sosfiltfilt
 
 from fricomp.laws import FloatArray
 
-__all__ = ["BRISTLE", "LugreRecord", "record_lugre"]
-
 BRISTLE = (200.0, 0.5)
 """sigma_0 [N·m/rad] and sigma_1 [N·m·s/rad]."""
 _RATE, _FINER = 1000.0, 20

@@ -17,8 +17,6 @@ from .rival_summary import find_best_adam, name_of
 from .rivals import PAPER_LENGTH
 from .study import SPREADS
 
-__all__ = ["draw_benchmark_charts"]
-
 _FIGURES = {
     "none": {"PSO": "figures 4 and 5", "GA": "figures 6 and 7", "Adam": "the paper's own training, figure 3"},
     "noise": {"PSO": "figures 9 and 10", "GA": "figures 11 and 12", "Adam": "the paper's own training, figure 8"},

@@ -18,8 +18,6 @@ from fricomp.laws import FloatArray
 from .comparators import Comparison, build_population_likelihood
 from .problem import UPPER_BOUNDS, Draw
 
-__all__ = ["run_compiled"]
-
 _POPULATION = 100
 _SNAPSHOTS = 200
 _CROSSOVER_INDEX, _MUTATION_INDEX = 15.0, 20.0

@@ -13,8 +13,6 @@ from fricomp.laws import FloatArray
 
 from .problem import PaperProblem
 
-__all__ = ["CASES", "DepartureFigures", "measure_departure"]
-
 _NOISE = 0.01
 
 

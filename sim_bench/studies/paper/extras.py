@@ -13,8 +13,6 @@ from fricomp.model import FrictionModel
 from .bristle import BRISTLE, record_lugre
 from .problem import PaperProblem
 
-__all__ = ["ExtraFigures", "measure_extras"]
-
 _LEVEL = 0.05
 _PLATEAUS = 200
 _REACH = 1.96

@@ -12,8 +12,6 @@ from fricomp.laws import FloatArray, LoadScaling
 
 from .problem import PaperProblem
 
-__all__ = ["LOAD_CASES", "LoadFigures", "measure_loads"]
-
 _NOISE = 0.01
 _REFERENCE = 10.0
 _SLOWEST = 0.01

@@ -14,8 +14,6 @@ from fricomp.laws import FloatArray
 
 from .problem import Draw
 
-__all__ = ["OracleOptimum", "find_optimum"]
-
 
 class OracleOptimum(NamedTuple):
     """The optimum.

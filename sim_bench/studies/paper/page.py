@@ -16,8 +16,6 @@ from .printed import NOISE_FREE, NOISY
 from .problem import NOISE_READINGS
 from .rivals import FULL_SIZES
 
-__all__ = ["format_identification_page"]
-
 
 def format_identification_page(ledger: RowStore, charts: Sequence[Chart], command: str, folder: str) -> str:
     """The whole page as Markdown.

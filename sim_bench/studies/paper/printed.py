@@ -10,8 +10,6 @@ from fricomp.laws import FloatArray
 
 from .problem import PaperProblem
 
-__all__ = ["NOISE_FREE", "NOISY", "PrintedRow"]
-
 
 class PrintedRow(NamedTuple):
     """One method in the paper.

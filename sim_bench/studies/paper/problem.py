@@ -11,8 +11,6 @@ from fricomp.calibration.identification.estimation.form import SeparableLaw, sep
 from fricomp.calibration.identification.estimation.observation import Observations, observe
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, LoadScaling, StribeckCurve
 
-__all__ = ["NOISE_READINGS", "PARAMETERS", "UPPER_BOUNDS", "Draw", "PaperProblem", "Reading"]
-
 Reading = Literal["none", "relative", "absolute"]
 NOISE_READINGS: tuple[Reading, Reading] = ("relative", "absolute")
 PARAMETERS = ("f_c+", "f_s+", "v_s+", "f_v+", "f_c-", "f_s-", "v_s-", "f_v-")

@@ -21,8 +21,6 @@ from .summary import summarise_outliers, summarise_statistics
 from .targets import judge_targets
 from .timing import summarise_timing
 
-__all__ = ["publish"]
-
 
 def publish(ledger: RowStore, pages: Sequence[Path], command: str) -> None:
     """Write each page, and beside it a folder of its name with the pictures and `figures.json`.

@@ -11,15 +11,6 @@ import numpy as np
 from ..kit.store import RowStore
 from .problem import PaperProblem, Reading
 
-__all__ = [
-    "NoiseFreeFigures",
-    "SearchFigures",
-    "find_best_adam",
-    "name_of",
-    "summarise_noise_free",
-    "summarise_searches",
-]
-
 
 @dataclass(frozen=True)
 class NoiseFreeFigures:

@@ -19,19 +19,6 @@ from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
 from .targets import judge_targets
 from .timing import OURS, summarise_timing
 
-__all__ = [
-    "format_departure_section",
-    "format_extras_section",
-    "format_noise_free_section",
-    "format_outlier_section",
-    "format_printed_table",
-    "format_statistics_section",
-    "format_target_table",
-    "format_timing_section",
-    "load_section",
-    "search_section",
-]
-
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]

@@ -13,9 +13,6 @@ from fricomp.laws import FloatArray
 from ..kit.store import RowStore
 from .problem import PaperProblem, Reading
 
-__all__ = ["OutlierFigures", "StatisticsFigures", "summarise_outliers", "summarise_statistics"]
-
-
 _REACH = float(student.ppf(0.975, 192))
 """Half width of a 95 % interval in standard deviations: 200 points, eight parameters."""
 

@@ -14,8 +14,6 @@ from .rivals import PAPER_LENGTH
 from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
 from .timing import OURS, TimeFigures, summarise_timing
 
-__all__ = ["Target", "judge_targets"]
-
 
 @dataclass(frozen=True)
 class Target:

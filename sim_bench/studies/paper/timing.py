@@ -19,8 +19,6 @@ from .problem import NOISE_READINGS, Draw, PaperProblem, Reading
 from .rivals import CMA_EVALUATIONS, PAPER_LENGTH
 from .study import SPREADS, draw_random_start, draw_random_values
 
-__all__ = ["OURS", "TimeFigures", "run_timing", "summarise_timing"]
-
 OURS = "fricomp, PINN"
 _SLICES = 10
 """A search or a training of steps that are all alike is timed over this fraction of its length."""

@@ -13,8 +13,6 @@ from ..kit.figure import Figure
 from .power import name_band
 from .score import Score
 
-__all__ = ["CAUSES", "Miss", "explain_misses", "read_causes"]
-
 CAUSES = "causes.toml"
 """File beside a page: the cause by the name of the figure."""
 

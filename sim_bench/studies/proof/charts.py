@@ -11,8 +11,6 @@ from fricomp.report import Chart, HeatMap, Line, Panel, Points
 
 from .power import PowerPoint
 
-__all__ = ["draw_confusion", "draw_power"]
-
 
 def draw_power(points: Sequence[PowerPoint]) -> Chart:
     """Shares against strength, beside the oracle's."""

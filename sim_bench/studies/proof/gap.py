@@ -35,8 +35,6 @@ from .score import Score, score_case
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["GAP", "GapScore", "format_gaps", "measure_gaps", "plan_gaps"]
-
 _STORE = "gap.jsonl"
 
 GAP = "gap.md"

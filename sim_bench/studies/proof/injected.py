@@ -10,8 +10,6 @@ from ..real import INJECTABLE, REAL_CASES, InjectedSpec
 from .plan import PlannedCase
 from .score import Score
 
-__all__ = ["plan_bare", "plan_injected"]
-
 _STRENGTHS = ("5", "2", "1")
 """Wanted strengths, the clear ones first, so that a short run has seen every effect once."""
 

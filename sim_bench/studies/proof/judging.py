@@ -8,18 +8,6 @@ from ..kit.figure import WEAK, select
 from .plan import NULLS
 from .score import Score
 
-__all__ = [
-    "count_for_names",
-    "count_for_pairs",
-    "find_first_answer",
-    "find_right_names",
-    "holds_truth",
-    "is_wrong",
-    "names_another",
-    "select_nameable",
-    "select_unnameable",
-]
-
 _UNLOGGED = "neighbour_coupling"
 """Nobody can name it: the motion of the neighbour is not logged."""
 

@@ -12,8 +12,6 @@ from ..kit.store import RowStore
 from .run import ANSWERS, REFUSED, SCORES, SEALS, read_scores
 from .settings import SETTINGS
 
-__all__ = ["BASELINES", "keep_data", "restore_data"]
-
 BASELINES = "baselines.md"
 """File of a run that holds the table of the other methods."""
 

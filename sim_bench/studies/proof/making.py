@@ -13,8 +13,6 @@ from fricomp.errors import DiagnosisError, FricompError
 from ...cases import CaseSpec, derive_case_id, generate, record_again, write_answer, write_case
 from ..real.injection import InjectedSpec, inject
 
-__all__ = ["Prepared", "name_case", "prepare", "prepare_follow_up", "write_command"]
-
 _LONGEST, _PERIOD = 120.0, 1e-3
 """Longest proposed motion that is recorded, and the period of its samples [s]; both are those of planned cases."""
 

@@ -20,8 +20,6 @@ from .power import compute_confusion, compute_power
 from .score import Score
 from .summary import compute_figures
 
-__all__ = ["format_failures", "write_page"]
-
 _NO_CASE = "–"
 """Begins the value of a figure without a case."""
 

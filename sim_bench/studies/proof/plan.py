@@ -16,8 +16,6 @@ import numpy as np
 from ...cases import CATALOGUE, CHOICES, OUTSIDE, CaseSpec
 from ..real.injection import InjectedSpec
 
-__all__ = ["GROUPS", "NULLS", "PlannedCase", "plan_cases", "plan_clear_cases"]
-
 # Share of each group. Of 2,000 cases 540 have nothing missing, 220 are pairs and 140 lie outside the catalogue.
 GROUPS = {
     "single": 0.50,

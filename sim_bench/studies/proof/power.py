@@ -14,8 +14,6 @@ from .judging import find_first_answer, select_nameable
 from .plan import NULLS
 from .score import Score
 
-__all__ = ["PowerPoint", "compute_confusion", "compute_oracle_power", "compute_power", "name_band"]
-
 _BANDS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 """Lower ends of the bands of strengths, as effect-to-noise ratios."""
 

@@ -24,20 +24,6 @@ from .plan import PlannedCase
 from .score import Score, asks_for_more, read_score, score_again, score_case
 from .seal import SealBook
 
-__all__ = [
-    "ANSWERS",
-    "DIAGNOSES",
-    "FOLLOW_UPS",
-    "REFUSED",
-    "SCORES",
-    "SEALS",
-    "count_open",
-    "derive_salt",
-    "read_refused",
-    "read_scores",
-    "run_proof",
-]
-
 SCORES, REFUSED, SEALS = "scores.jsonl", "refused.jsonl", "seals.jsonl"
 """Files of a run: scores, cases that could not be made, and hashes of answers."""
 

@@ -17,17 +17,6 @@ from ..kit.score import judge_names, list_sets, read_diagnosis
 from .making import write_command
 from .plan import PlannedCase
 
-__all__ = [
-    "SIMULATION",
-    "Score",
-    "asks_for_more",
-    "compare_intervals",
-    "compute_overlap",
-    "read_score",
-    "score_again",
-    "score_case",
-]
-
 SIMULATION = "simulation"
 """What stands for an effect where inertia and gravity of a shifted simulation are compared."""
 

@@ -13,8 +13,6 @@ from pathlib import Path
 
 from fricomp.errors import DiagnosisError
 
-__all__ = ["SealBook"]
-
 
 class SealBook:
     """Hashes of answers by case, one JSON line each, in the order in which they were sealed.

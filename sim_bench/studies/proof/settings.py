@@ -17,20 +17,6 @@ from fricomp.whole_file import write_whole
 from ..kit.commit import find_commit
 from .plan import GROUPS, NULLS, PlannedCase, plan_cases, plan_clear_cases
 
-__all__ = [
-    "QUICK_DURATION",
-    "SETTINGS",
-    "RunSettings",
-    "draw_seeds",
-    "list_development_seeds",
-    "load_or_start",
-    "load_replay",
-    "plan_run",
-    "read_settings",
-    "stop_after",
-    "write_settings",
-]
-
 SETTINGS = "run.json"
 """File of a run that holds its settings."""
 

@@ -12,8 +12,6 @@ from ..kit.score import read_diagnosis
 from ..kit.store import RowStore
 from .run import DIAGNOSES, SCORES
 
-__all__ = ["AnswerPair", "compare_runs"]
-
 _WIDTH = 3.92
 """Width of a 95 % interval in standard deviations."""
 

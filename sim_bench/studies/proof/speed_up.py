@@ -20,8 +20,6 @@ from ..real.injection import InjectedSpec
 from .making import prepare
 from .plan import PlannedCase
 
-__all__ = ["SpeedUp", "measure_speed_up"]
-
 _TURNS = 20_000_000
 """Turns of a plain loop by which the cores themselves are timed: about a second."""
 

@@ -33,8 +33,6 @@ from .judging import (
 from .plan import NULLS
 from .score import SIMULATION, Score
 
-__all__ = ["compute_figures"]
-
 _ACCEPTED = ("consistent", "parameters")
 """Verdicts that are right where nothing is missing."""
 

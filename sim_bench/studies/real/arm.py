@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from math import cos, pi, sin
 from typing import NamedTuple
 
-__all__ = ["ARMS", "Link", "arm_xml"]
-
 
 class Link(NamedTuple):
     """One row of a table of Denavit and Hartenberg: offset d [m], length a [m], twist alpha [rad]."""

@@ -10,8 +10,6 @@ from fricomp.diagnosis.report import VERDICT_TITLES, format_quantity
 from ..kit.page import write_page
 from .run import RealOutcome
 
-__all__ = ["write_real_page"]
-
 _MARK = {True: "yes", False: "**no**", None: "nothing promised"}
 
 

@@ -20,8 +20,6 @@ from ..kit.store import Row, RowStore
 from .arm import ARMS, arm_xml
 from .cases import RealCase
 
-__all__ = ["RealOutcome", "run_all"]
-
 _STORE = "outcomes.jsonl"
 
 

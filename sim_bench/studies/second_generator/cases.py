@@ -12,8 +12,6 @@ from .effects import EFFECTS, find_effect
 from .forms import FORMS
 from .motion import MOTIONS
 
-__all__ = ["Case", "choose_cases", "list_cases"]
-
 _DURATION, _QUICK = 60.0, 20.0  # [s]
 _NULL_SEEDS = {True: (1, 2, 3), False: (4, 5, 6)}  # with a velocity and without: no joint counts twice
 _WITHOUT_VELOCITY = ("load_coulomb", "cogging", "joint_elasticity", "drive_lag", "memory_spring")

@@ -11,8 +11,6 @@ from .joint import JOINT, JointParts
 from .law import Law
 from .motion import Motion
 
-__all__ = ["Effect", "Group", "always", "built_of", "motor", "written"]
-
 Group = Literal["nothing", "parameter", "measurement", "physics", "outside"]
 
 

@@ -11,8 +11,6 @@ from .hidden import Hidden
 from .outside import OUTSIDE
 from .physics import PHYSICS
 
-__all__ = ["EFFECTS", "find_effect"]
-
 _NOTHING = Effect("nothing", "nothing", "the plain joint", always(Hidden()))
 
 EFFECTS = {effect.name: effect for effect in (_NOTHING, *PHYSICS, *FLAWS, *OUTSIDE, *FORMS)}

@@ -13,8 +13,6 @@ from ..kit.statistics import ShareEstimate, compute_clustered_share
 from .motion import MOTIONS
 from .score import Score
 
-__all__ = ["Figure", "compute_figures"]
-
 _FILTER = "velocity_filter_lag"
 
 

@@ -11,8 +11,6 @@ from .hidden import Hidden
 from .joint import ARMATURE, LINK, JointParts
 from .motion import Motion
 
-__all__ = ["FLAWS"]
-
 _GRAVITY = 9.81  # [m/s²]
 _UNROUND = (4e-3, 0.5)  # [rad], phase
 

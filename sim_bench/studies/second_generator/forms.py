@@ -11,8 +11,6 @@ from .joint import JointParts
 from .motion import Motion
 from .physics import hang_behind
 
-__all__ = ["FORMS"]
-
 
 def _stop_both_ends(motion: Motion) -> Hidden:
     """The reference goes 0.1 rad beyond either end of the range."""

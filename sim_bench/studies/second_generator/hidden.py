@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from .joint import PLAIN, JointParts
 from .law import Law, ordinary
 
-__all__ = ["Hidden"]
-
 
 @dataclass(frozen=True)
 class Hidden:

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from fricomp.errors import DiagnosisError
 
-__all__ = ["MOTIONS", "PERIOD", "Motion", "make_motion"]
-
 PERIOD = 1e-3
 """Of the loop and of the samples [s]."""
 

@@ -8,17 +8,6 @@ from math import exp, log1p
 from .joint import VISCOUS
 from .law import Acting, Law, State, dry_level
 
-__all__ = [
-    "DelayedFriction",
-    "LimitedRate",
-    "LogarithmicDwell",
-    "PowerDwell",
-    "TwiceHeatedMotor",
-    "TwiceLateFriction",
-    "dead_band",
-    "driving_alone",
-]
-
 _REST = 1e-3  # [rad/s] below which a joint rests
 
 

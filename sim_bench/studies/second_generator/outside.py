@@ -6,8 +6,6 @@ from . import law
 from .effect import Effect, built_of, written
 from .joint import LINK, JointParts
 
-__all__ = ["OUTSIDE"]
-
 
 def _hung(joint: str, mass: float, below: float = 0.0) -> JointParts:
     """A mass [kg] that moves against the end of the link."""

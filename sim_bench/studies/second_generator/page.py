@@ -11,8 +11,6 @@ from .effects import EFFECTS
 from .figures import compute_figures
 from .score import Score
 
-__all__ = ["write_page"]
-
 
 def write_page(scores: Sequence[Score], page: Path, commits: Sequence[str], *, quick: bool = False) -> None:
     """Write the Markdown page.

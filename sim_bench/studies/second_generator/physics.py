@@ -12,8 +12,6 @@ from .hidden import Hidden
 from .joint import ARMATURE, COULOMB, INERTIA, JOINT, LENGTH, LINK, MASS, STICKING, TURNING, VISCOUS, JointParts
 from .motion import PERIOD, Motion
 
-__all__ = ["PHYSICS", "hang_behind"]
-
 _GRAVITY = 9.81  # [m/s²]
 _LOAD = MASS * LENGTH**2 + TURNING  # [kg·m²] of the link about its axis
 _MOTOR_SIDE = '<inertial pos="0 0 0" mass="0.01" diaginertia="1e-5 1e-5 1e-5"/>'  # a motor's side without a link

@@ -21,8 +21,6 @@ try:
 except ImportError as error:  # pragma: no cover - depends on the installation
     raise MissingExtraError("mujoco", "sim") from error
 
-__all__ = ["FILTER_LAG", "NOISE", "RESOLUTION", "Run", "sense", "simulate"]
-
 RESOLUTION = 2.0 * np.pi / 2**18
 """Step of the encoder [rad]."""
 

@@ -21,8 +21,6 @@ from .motion import PERIOD, make_motion
 from .record import sense, simulate
 from .score import Score, score_case
 
-__all__ = ["run_all", "run_case", "write_files"]
-
 _FILES = ("recording.parquet", "joint.xml")
 """What the diagnosis sees."""
 

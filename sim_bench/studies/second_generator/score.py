@@ -13,8 +13,6 @@ from .cases import Case
 from .effect import Group
 from .record import FILTER_LAG
 
-__all__ = ["Score", "score_case"]
-
 _LAG = "velocity_filter_lag"
 _VERDICTS: dict[Group, tuple[str, ...]] = {
     "nothing": ("consistent",),

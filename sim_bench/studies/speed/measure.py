@@ -12,8 +12,6 @@ from pathlib import Path
 from .timing import Growth, Timing, fit_growth, measure_unit, time_call
 from .work import SpeedCase, list_peers, list_work, make_case
 
-__all__ = ["PeerTiming", "SpeedFigures", "measure_speed"]
-
 _SHOWN = 10
 """Functions of the profile that are shown."""
 

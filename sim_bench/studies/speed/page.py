@@ -13,8 +13,6 @@ from ..kit.page import write_page as fill_page
 from .measure import SpeedFigures
 from .timing import Growth, Timing
 
-__all__ = ["draw_growth", "list_rows", "write_page"]
-
 
 def write_page(figures: SpeedFigures, page: Path, measured: str, command: str) -> None:
     """Write the Markdown page and, beside it in a folder of its name, the picture of the growth.

@@ -14,8 +14,6 @@ import numpy as np
 
 from fricomp.diagnosis.joint.observer import count_joints
 
-__all__ = ["Growth", "Timing", "fit_growth", "measure_unit", "time_call"]
-
 _NUMBERS, _PASSES = 1_000_000, 10
 """The unit is so many exponentials, so many times: some hundredths of a second."""
 

@@ -16,18 +16,6 @@ from fricomp.laws import FloatArray
 from ...stand_in import SensorSettings, SimulatedJointAdapter, default_joint, sensors_for
 from .joint import TrackedJoint, loop_of, scaled_law
 
-__all__ = [
-    "METHODS",
-    "REVERSAL_WINDOW",
-    "Method",
-    "TrackingCase",
-    "TrackingFigures",
-    "Witness",
-    "compute_figures",
-    "run_case",
-    "run_standstill",
-]
-
 Method = Literal["none", "coulomb_viscous", "stribeck", "default"]
 METHODS: tuple[Method, ...] = get_args(Method)
 """Without; tanh-Coulomb-viscous, fitted; Stribeck on the reference alone; what the library chooses."""

@@ -15,8 +15,6 @@ from .study import StudyRow
 if TYPE_CHECKING:
     from .close_loop import CloseLoopMethod, CloseLoopResult
 
-__all__ = ["close_loop_chart", "robustness_chart", "tracking_charts"]
-
 _NAMES = {"none": "none", "coulomb_viscous": "tanh-Coulomb-viscous", "stribeck": "Stribeck", "default": "default"}
 _CLOSE_LOOP_NAMES = {"none": "none", "stribeck": "Stribeck, calibrated", "extended": "extended by the diagnosis"}
 

@@ -8,8 +8,6 @@ from fricomp.control.loop.loop_check import LoopCheck
 from ...stand_in import SensorSettings, StandIn, default_joint, default_limits
 from .joint import TrackedJoint, loop_of
 
-__all__ = ["check_tracked"]
-
 _PERIOD = 1e-3
 
 

@@ -36,8 +36,6 @@ from .case import TrackingFigures, Witness, compute_figures
 from .joint import loop_of
 from .vertical_joint import GravityController, MultiSine, vertical_joint
 
-__all__ = ["CloseLoopMethod", "CloseLoopResult", "close_loop"]
-
 CloseLoopMethod = Literal["none", "stribeck", "extended"]
 """Without compensation; with the calibrated model; with what the diagnosis made of it."""
 

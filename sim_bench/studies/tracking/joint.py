@@ -13,8 +13,6 @@ from fricomp.model import FrictionModel, Validity
 
 from ...stand_in import DEFAULT_LAW, SensorSettings
 
-__all__ = ["INERTIA", "JOINTS", "TrackedJoint", "loop_of", "scaled_law"]
-
 INERTIA = 0.1
 """Of the stand-in's default joint [kg·m²]."""
 

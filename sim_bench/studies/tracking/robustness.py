@@ -18,8 +18,6 @@ from ...stand_in import SensorSettings
 from .case import REVERSAL_WINDOW
 from .joint import TrackedJoint, loop_of
 
-__all__ = ["RobustnessMap", "compute_robustness"]
-
 _PERIOD = 1e-3
 _FREQUENCY, _AMPLITUDE = 0.1, 0.5
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from .case import METHODS, Method, TrackingCase, TrackingFigures, run_case
 from .joint import JOINTS, TrackedJoint
 
-__all__ = ["StudyRow", "run_study"]
-
 
 @dataclass(frozen=True)
 class StudyRow:

@@ -14,8 +14,6 @@ from fricomp.whole_file import write_whole
 from ...stand_in import JointSettings, ServoSettings, StandInSettings, sensors_for
 from .joint import INERTIA, JOINTS
 
-__all__ = ["CONCEALED", "GravityController", "MultiSine", "vertical_joint"]
-
 _MASS, _REACH, _ARMATURE = 1.5, 0.2, 0.02  # [kg], [m], [kg·m²]
 _GRAVITY = 9.81 * _MASS * _REACH  # [N·m]
 

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 
 import canopen
 
-__all__ = ["PeriodicFrame", "ProcessData", "SimulatedNetwork"]
-
 
 @dataclass
 class ProcessData:

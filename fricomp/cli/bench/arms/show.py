@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from fricomp.sim_bench.studies.arms import ArmScore
     from fricomp.sim_bench.studies.proof import RunSettings
 
-__all__ = ["show_scores", "write_run_page"]
-
 
 def show_scores(scores: Sequence[ArmScore]) -> None:
     """Print the figures."""

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from fricomp.sim_bench.studies.proof import PlannedCase, RunSettings, Score
 
-__all__ = ["show_scores", "work_through"]
-
 
 def work_through(
     settings: RunSettings, out: Path, executor: tuple[str, int | None], minutes: float | None

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from fricomp.sim_bench.studies.proof import RunSettings, Score
 
-__all__ = ["write_run_page"]
-
 
 def write_run_page(
     page: Path, settings: RunSettings, scores: Sequence[Score], planned: int, out: Path, others: str

@@ -25,8 +25,6 @@ from ..score import Score
 from .data import Samples, fit_columns, load_data
 from .methods import METHODS, fit_base
 
-__all__ = ["BaselineScore", "compare_baselines", "format_table"]
-
 _VISIBLE = 0.5
 """Effect-to-noise ratio from which single effects count."""
 

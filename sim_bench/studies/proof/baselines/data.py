@@ -13,8 +13,6 @@ from fricomp.recording import read_recording
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["BaselineAnswer", "BaselineData", "Samples", "fit_columns", "load_data", "rmse"]
-
 Samples = NDArray[np.float64]
 
 _WINDOW, _DEGREE, _STEP = 21, 3, 10  # [samples] of the Savitzky-Golay filter, its degree, and between kept samples

@@ -6,8 +6,6 @@ import numpy as np
 
 from .data import BaselineData, Samples
 
-__all__ = ["build_library"]
-
 
 def build_library(data: BaselineData) -> dict[str, Samples]:
     """Columns by effect, each of shape (n, k)."""
