@@ -22,10 +22,6 @@ N_JOINTS = 2
 BUS_OFF_FRAME = can.Message(arbitration_id=0x40, is_error_frame=True, dlc=8, data=bytes(8))
 
 
-def twin_of(bench: AdapterBench) -> Any:
-    return bench.link._link.twin  # type: ignore[attr-defined]
-
-
 def cycle(bench: AdapterBench, share: float = 0.5) -> bool:
     command = JointCommand(N_JOINTS)
     command.torque[:] = [share * TORQUE_LIMIT] * N_JOINTS
@@ -82,12 +78,12 @@ class Controller:
     """A python-can bus whose controller can go bus-off, and has to be told to come back.
 
     Args:
-        twin_bus: What it is on.
+        line: To the twin.
         way: How its interface tells: by an error frame, by its state, or by an error as when a network is set down.
     """
 
-    def __init__(self, twin_bus: Any, way: str) -> None:
-        self._twin_bus, self._way = twin_bus, way
+    def __init__(self, line: Any, way: str) -> None:
+        self._line, self._way = line, way
         self._frames: deque[can.Message] = deque()
         self.is_off = self._told = False
 
@@ -98,8 +94,8 @@ class Controller:
             raise can.CanOperationError(
                 "Network is down" if self._way == "network down" else "the controller is bus-off"
             )
-        self._twin_bus._to_twin.append(message)
-        self._twin_bus.twin.pump()
+        self._line.to_twin.append(message)
+        self._line.on_sent()
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         if self.is_off and self._way == "network down":
@@ -107,7 +103,7 @@ class Controller:
         if self.is_off:
             told, self._told = self._told, True
             return None if told or self._way == "state" else BUS_OFF_FRAME
-        for frame in self._twin_bus.receive():
+        for frame in self._line.link.receive():
             self._frames.append(
                 can.Message(arbitration_id=frame.identifier, data=frame.data, is_extended_id=frame.extended)
             )
@@ -131,7 +127,7 @@ WAYS = {"error frame": "bus-off", "state": "the CAN controller is bus-off", "net
 @pytest.mark.parametrize("protocol", CAN_PROTOCOLS)
 def test_bus_off_is_one_clear_error_and_zero_torque_by_the_watchdogs(protocol: str, way: str) -> None:
     bench = make_bench(protocol, N_JOINTS)
-    controller: Any = Controller(bench.link._link, way)
+    controller: Any = Controller(bench.line, way)
     bench.adapter._open_link = lambda: PythonCanLink(controller)  # type: ignore[attr-defined]
     bench.start()
     for _ in range(5):
@@ -216,7 +212,7 @@ def test_a_joint_that_was_moved_by_hand_is_held_where_it_is(protocol: str) -> No
 @pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
 def test_one_lost_node_stops_all_joints_and_lets_go_itself(protocol: str) -> None:
     bench = started(protocol)
-    twin = twin_of(bench)
+    twin = bench.twin
     for name in ("devices", "controllers", "servos"):
         if hasattr(twin, name):
             setattr(twin, name, getattr(twin, name)[:1])

@@ -15,6 +15,7 @@ from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
+from fricomp.adapters.link import CanLink
 from fricomp.adapters.mit import MitAdapter
 from fricomp.adapters.mit.configuration import MitConfiguration
 from fricomp.adapters.moteus import MoteusAdapter
@@ -27,12 +28,11 @@ from fricomp.joint import JointCommand, JointFeedback
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.sim_bench.stand_in import StandIn
 from fricomp.sim_bench.stand_in.packaged import default_joint
-from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
-from fricomp.sim_bench.studies.adapters.twin_bus import TwinBus
 from fricomp.sim_bench.twins import DriveAxis, DriveTwin, TwinClock, twin_stand_in
 from fricomp.sim_bench.twins.can_twin import CanDevice, CanTwin
 from fricomp.sim_bench.twins.canopen.cia402 import Cia402Drive, Cia402Settings
 from fricomp.sim_bench.twins.dynamixel.line import DynamixelServo, DynamixelTwin
+from fricomp.sim_bench.twins.memory import MemoryCanLine, MemorySerialLine
 from fricomp.sim_bench.twins.mit.damiao import MitMotor
 from fricomp.sim_bench.twins.moteus.bus import MoteusController, MoteusTwin
 from fricomp.sim_bench.twins.odrive import ENDPOINTS, ODriveNode, ODriveSettings
@@ -49,10 +49,11 @@ def make_stand_in() -> StandIn:
     return twin_stand_in(default_joint(law=SMOOTH))
 
 
-def can_twin(make: Callable[[DriveAxis], CanDevice]) -> tuple[TwinBus, DriveTwin]:
-    bus, stand_in = TwinBus(), make_stand_in()
-    bus.twin = CanTwin(bus, stand_in, [make(DriveAxis(stand_in))])
-    return bus, bus.twin
+def can_twin(make: Callable[[DriveAxis], CanDevice]) -> tuple[CanLink, DriveTwin]:
+    line, stand_in = MemoryCanLine(), make_stand_in()
+    twin = CanTwin(line, stand_in, [make(DriveAxis(stand_in))])
+    line.on_sent = twin.pump
+    return line.link, twin
 
 
 def can_table(**extra: Any) -> dict[str, Any]:
@@ -60,38 +61,40 @@ def can_table(**extra: Any) -> dict[str, Any]:
 
 
 def make_canopen(_: Path) -> Made:
-    bus, twin = can_twin(lambda axis: Cia402Drive(axis, Cia402Settings(rated_torque=5.0)))
+    link, twin = can_twin(lambda axis: Cia402Drive(axis, Cia402Settings(rated_torque=5.0)))
     made = convert(can_table(), CanOpenConfiguration)
-    return CanOpenAdapter(made, lambda: bus, TwinClock(twin)), twin
+    return CanOpenAdapter(made, lambda: link, TwinClock(twin)), twin
 
 
 def make_mit(_: Path) -> Made:
-    bus, twin = can_twin(MitMotor)
+    link, twin = can_twin(MitMotor)
     made = convert(can_table(model="damiao/DM4310"), MitConfiguration)
-    return MitAdapter(made, lambda: bus, TwinClock(twin)), twin
+    return MitAdapter(made, lambda: link, TwinClock(twin)), twin
 
 
 def make_odrive(folder: Path) -> Made:
-    bus, twin = can_twin(lambda axis: ODriveNode(axis, ODriveSettings(node=1)))
+    link, twin = can_twin(lambda axis: ODriveNode(axis, ODriveSettings(node=1)))
     endpoints = {name: {"id": number, "type": kind} for number, (name, kind) in ENDPOINTS.items()}
     path = folder / "flat_endpoints.json"
     path.write_text(json.dumps({"fw_version": "0.6.9", "endpoints": endpoints}))
     made = convert(can_table() | {"endpoints": str(path)}, OdriveConfiguration)
-    return OdriveAdapter(made, lambda: bus, TwinClock(twin)), twin
+    return OdriveAdapter(made, lambda: link, TwinClock(twin)), twin
 
 
 def make_moteus(_: Path) -> Made:
-    bus, stand_in = SerialBus(), make_stand_in()
-    bus.twin = MoteusTwin(bus, stand_in, [MoteusController(DriveAxis(stand_in))])  # type: ignore[arg-type]
+    line, stand_in = MemorySerialLine(), make_stand_in()
+    twin = MoteusTwin(line, stand_in, [MoteusController(DriveAxis(stand_in))])
+    line.on_sent = twin.pump
     table = {"serial": {"port": "loop://"}, "joints": joint_tables(1, 4.0, 8.0)}
-    return MoteusAdapter(convert(table, MoteusConfiguration), lambda: bus, TwinClock(bus.twin)), bus.twin
+    return MoteusAdapter(convert(table, MoteusConfiguration), lambda: line.link, TwinClock(twin)), twin
 
 
 def make_dynamixel(_: Path) -> Made:
-    bus, stand_in = SerialBus(), make_stand_in()
-    bus.twin = DynamixelTwin(bus, stand_in, [DynamixelServo(DriveAxis(stand_in))])  # type: ignore[arg-type]
+    line, stand_in = MemorySerialLine(), make_stand_in()
+    twin = DynamixelTwin(line, stand_in, [DynamixelServo(DriveAxis(stand_in))])
+    line.on_sent = twin.pump
     table = {"serial": {"port": "loop://"}, "joints": joint_tables(1, 4.0, 8.0, torque_constant=1.78)}
-    return DynamixelAdapter(convert(table, DynamixelConfiguration), lambda: bus, TwinClock(bus.twin)), bus.twin
+    return DynamixelAdapter(convert(table, DynamixelConfiguration), lambda: line.link, TwinClock(twin)), twin
 
 
 MAKERS = {

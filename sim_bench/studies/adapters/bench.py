@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,8 @@ from fricomp.adapters import JointAdapter
 from fricomp.adapters.configuration import convert
 from fricomp.testing import FaultyLink, VirtualClock
 
-from .hand_held import HandHeldAxis, SerialBus
+from ...twins.memory import MemoryCanLine, MemorySerialLine
+from .hand_held import HandHeldAxis
 
 __all__ = ["PERIOD", "PROTOCOLS", "TORQUE_LIMIT", "AdapterBench", "make_bench"]
 
@@ -32,12 +34,16 @@ class AdapterBench:
         axes: Motors of its drives.
         link: Between them.
         clock: Of all.
+        twin: The drives.
+        line: What the link reaches them over.
     """
 
     adapter: JointAdapter
     axes: list[HandHeldAxis]
     link: FaultyLink
     clock: VirtualClock
+    twin: Any
+    line: Any
 
     def start(self) -> None:
         """Open, configure and enable; the ramp is over."""
@@ -55,24 +61,36 @@ def _common(n_joints: int, **extra: Any) -> dict[str, Any]:
     return {"joints": _tables(n_joints, **extra), "ramp_time": 0.0}
 
 
+_NO_JOINTS: Any = None
+"""In place of the simulated joints of a twin: the motors are in a hand."""
+
+
+def _make_bench(
+    line: Any,
+    make_twin: Callable[[list[Any]], Any],
+    make_adapter: Callable[[Any, VirtualClock], JointAdapter],
+    n_joints: int,
+) -> AdapterBench:
+    """A twin of these motors at one end of a line in memory, an adapter at the other."""
+    clock, axes = VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
+    twin = make_twin(axes)
+    line.on_sent = twin.pump
+    clock.follow(copy(twin)._tick)  # of all drives, also of one that is taken off the bus later
+    link = FaultyLink(line.link)
+    return AdapterBench(make_adapter(link, clock), axes, link, clock, twin, line)
+
+
 def _can_bench(
     make_device: Callable[[Any, int], Any], make_adapter: Callable[[Any, VirtualClock], JointAdapter], n_joints: int
 ) -> AdapterBench:
     from ...twins.can_twin import CanTwin
-    from .twin_bus import TwinBus
 
-    bus, clock, axes = TwinBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
-    devices = [make_device(axis, number) for number, axis in enumerate(axes, start=1)]
-    nothing: Any = None
-    bus.twin = CanTwin(bus, nothing, devices)
-    clock.follow(lambda now_ns: _tick(devices, now_ns))
-    link = FaultyLink(bus)
-    return AdapterBench(make_adapter(link, clock), axes, link, clock)
+    line = MemoryCanLine()
 
+    def make_twin(axes: list[Any]) -> CanTwin:
+        return CanTwin(line, _NO_JOINTS, [make_device(axis, number) for number, axis in enumerate(axes, start=1)])
 
-def _tick(devices: list[Any], now_ns: int) -> None:
-    for device in devices:
-        device.tick(now_ns)
+    return _make_bench(line, make_twin, make_adapter, n_joints)
 
 
 def make_canopen(n_joints: int) -> AdapterBench:
@@ -132,19 +150,14 @@ def make_moteus(n_joints: int) -> AdapterBench:
 
     from ...twins.moteus.bus import MoteusController, MoteusSettings, MoteusTwin
 
-    bus, clock, axes = SerialBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
-    nothing: Any = None
-    controllers = [MoteusController(_as_any(axis), MoteusSettings(number)) for number, axis in enumerate(axes, start=1)]
-    bus.twin = MoteusTwin(_as_any(bus), nothing, controllers)
-
-    def tick(_: int) -> None:
-        for controller in controllers:
-            controller.tick()
-
-    clock.follow(tick)
-    link = FaultyLink(bus)
+    line = MemorySerialLine()
     made = convert({"serial": {"port": "loop://"}} | _common(n_joints), MoteusConfiguration)
-    return AdapterBench(MoteusAdapter(made, lambda: link, clock), axes, link, clock)
+
+    def make_twin(axes: list[Any]) -> MoteusTwin:
+        controllers = [MoteusController(axis, MoteusSettings(number)) for number, axis in enumerate(axes, start=1)]
+        return MoteusTwin(line, _NO_JOINTS, controllers)
+
+    return _make_bench(line, make_twin, lambda link, clock: MoteusAdapter(made, lambda: link, clock), n_joints)
 
 
 def make_dynamixel(n_joints: int) -> AdapterBench:
@@ -154,23 +167,15 @@ def make_dynamixel(n_joints: int) -> AdapterBench:
 
     from ...twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
 
-    bus, clock, axes = SerialBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
-    nothing: Any = None
-    servos = [
-        DynamixelServo(_as_any(axis), DynamixelSettings(number, torque_constant=1.0))
-        for number, axis in enumerate(axes, start=1)
-    ]
-    bus.twin = DynamixelTwin(_as_any(bus), nothing, servos)
-    clock.follow(lambda now_ns: _tick(list(servos), now_ns))
-    link = FaultyLink(bus)
+    line = MemorySerialLine()
     table = {"serial": {"port": "loop://", "baudrate": 4_000_000}} | _common(n_joints)
-    return AdapterBench(
-        DynamixelAdapter(convert(table, DynamixelConfiguration), lambda: link, clock), axes, link, clock
-    )
+    made = convert(table, DynamixelConfiguration)
 
+    def make_twin(axes: list[Any]) -> DynamixelTwin:
+        settings = [DynamixelSettings(number, torque_constant=1.0) for number in range(1, n_joints + 1)]
+        return DynamixelTwin(line, _NO_JOINTS, list(map(DynamixelServo, axes, settings)))
 
-def _as_any(value: object) -> Any:
-    return value
+    return _make_bench(line, make_twin, lambda link, clock: DynamixelAdapter(made, lambda: link, clock), n_joints)
 
 
 PROTOCOLS: dict[str, Callable[[int], AdapterBench]] = {

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 
 class HandHeldAxis:
     """Stands where a twin has its joint: position and velocity are set, torque is looked at.
@@ -45,37 +43,3 @@ class HandHeldAxis:
         demand = torque + stiffness * (position - self.position) + damping * (velocity - self.velocity)
         self.torque = max(-self._most, min(self._most, demand)) if self.energised else 0.0
         self.largest_torque = max(self.largest_torque, abs(self.torque))
-
-
-class SerialBus:
-    """A line in memory: a link at the adapter's end, a port at the twin's, both in the same thread."""
-
-    def __init__(self) -> None:
-        self._to_twin = b""
-        self._from_twin = b""
-        self.twin: Any = None
-
-    def send(self, data: bytes) -> None:
-        """Hand over bytes of the adapter; the twin answers at once."""
-        self._to_twin += data
-        self.twin.pump()
-
-    def receive(self) -> bytes:
-        """What the twin has sent."""
-        data, self._from_twin = self._from_twin, b""
-        return data
-
-    def discard_output(self) -> None:
-        """Nothing waits here."""
-
-    def read(self) -> bytes:
-        """What the adapter has sent."""
-        data, self._to_twin = self._to_twin, b""
-        return data
-
-    def write(self, data: bytes) -> None:
-        """Hand over bytes of the twin."""
-        self._from_twin += data
-
-    def close(self) -> None:
-        """Nothing is held here."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fricomp.adapters.bus_budget import serial_time
-from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
+from fricomp.adapters.link import SerialLink
 from fricomp.testing import VirtualClock
 
 __all__ = ["HalfDuplexLine"]
@@ -23,7 +23,7 @@ class HalfDuplexLine:
         n_collisions: Packets of the host that met an answer; both are gone.
     """
 
-    def __init__(self, bus: SerialBus, clock: VirtualClock, baudrate: float = 1e6) -> None:
+    def __init__(self, bus: SerialLink, clock: VirtualClock, baudrate: float = 1e6) -> None:
         self._bus, self._clock, self._baudrate = bus, clock, baudrate
         self._host_until_ns = 0
         self._answers: list[tuple[int, int, bytes]] = []

@@ -10,10 +10,12 @@ from dynamixel_sdk import Protocol2PacketHandler
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
+from fricomp.adapters.link import SerialLink
 from fricomp.sim_bench.stand_in import StandIn, default_joint
-from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
+from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis
 from fricomp.sim_bench.twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
 from fricomp.sim_bench.twins.dynamixel.packet import PacketReader
+from fricomp.sim_bench.twins.memory import MemorySerialLine
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from tests.adapters.peers.rig import joint_tables
 
@@ -50,16 +52,16 @@ class DynamixelRig(AdapterRig):
         changes: Of the configuration.
     """
 
-    def __init__(self, line: Callable[[SerialBus, VirtualClock], Any] | None = None, **changes: Any) -> None:
+    def __init__(self, line: Callable[[SerialLink, VirtualClock], Any] | None = None, **changes: Any) -> None:
         self.torque_limit, self.period = 1.0, 0.004
         self.clock = VirtualClock()
         self.axes = [HandHeldAxis(), HandHeldAxis()]
         settings = [DynamixelSettings(identifier, torque_constant=1.0, velocity_limit=1023) for identifier in (1, 2)]
         self.servos = [Servo(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)]
-        bus = SerialBus()
-        bus.twin = DynamixelTwin(cast(Any, bus), StandIn(default_joint()), self.servos)
+        memory = MemorySerialLine()
+        memory.on_sent = DynamixelTwin(memory, StandIn(default_joint()), self.servos).pump
         self.clock.follow(self._tick)
-        self.link = FaultyLink(line(bus, self.clock) if line is not None else bus)
+        self.link = FaultyLink(line(memory.link, self.clock) if line is not None else memory.link)
         made = convert(configuration(**changes), DynamixelConfiguration)
         self.adapter = DynamixelAdapter(made, lambda: self.link, self.clock)
 

@@ -9,8 +9,8 @@ import pytest
 from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.packet import bulk_read_packet
 from fricomp.adapters.dynamixel.report import REPORT_SIZE, report_request
+from fricomp.adapters.link import SerialLink
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
 from fricomp.testing import VirtualClock
 from fricomp.testing.steps import cycle, run, start
 from tests.adapters.dynamixel.half_duplex import HalfDuplexLine
@@ -34,7 +34,7 @@ class HalfDuplexRig(DynamixelRig):
             stale_after=0.05,
         )
 
-    def _make_line(self, bus: SerialBus, clock: VirtualClock, baudrate: int) -> HalfDuplexLine:
+    def _make_line(self, bus: SerialLink, clock: VirtualClock, baudrate: int) -> HalfDuplexLine:
         self.lines.append(HalfDuplexLine(bus, clock, baudrate))
         return self.lines[0]
 

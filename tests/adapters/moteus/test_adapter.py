@@ -19,7 +19,8 @@ from fricomp.adapters.moteus.fdcanusb import LineBuffer, decode_line
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.sim_bench.stand_in import StandIn, default_joint
-from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
+from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis
+from fricomp.sim_bench.twins.memory import MemorySerialLine
 from fricomp.sim_bench.twins.moteus.bus import MoteusController, MoteusSettings, MoteusTwin
 from fricomp.sim_bench.twins.moteus.frame import StreamWrite, Write, parse_frame
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
@@ -60,10 +61,10 @@ class MoteusRig(AdapterRig):
         self.controllers = [
             Controller(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)
         ]
-        bus = SerialBus()
-        bus.twin = MoteusTwin(bus, StandIn(default_joint()), self.controllers)  # type: ignore[arg-type]
+        line = MemorySerialLine()
+        line.on_sent = MoteusTwin(line, StandIn(default_joint()), self.controllers).pump
         self.clock.follow(self._tick)
-        self.link = FaultyLink(bus)
+        self.link = FaultyLink(line.link)
         made = convert(configuration(**changes), MoteusConfiguration)
         self.adapter = MoteusAdapter(made, lambda: self.link, self.clock)
 
