@@ -19,16 +19,16 @@ class Effect:
     """An effect that a joint can have.
 
     Attributes:
-        name: As the diagnosis calls it; for one that is not in its catalogue a name of its own.
         group: What it is.
+        name: As the diagnosis calls it; for one that is not in its catalogue a name of its own.
         how: What MuJoCo does.
         build: The joint for a motion.
         right: Names that are right besides its own.
         form_of: Effect of the catalogue of which it is another form; empty where it is none.
     """
 
-    name: str
     group: Group
+    name: str
     how: str
     build: Callable[[Motion], Hidden]
     right: tuple[str, ...] = ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import cos, sin
 
 from . import law
@@ -28,35 +29,33 @@ def _payload() -> Callable[[Motion], Hidden]:
     return built_of(JointParts(link=f"{LINK}{body}</body>"), truth)
 
 
+_parameter = partial(Effect, "parameter")
+_measurement = partial(Effect, "measurement")
+
 FLAWS = (
-    Effect(
+    _parameter(
         "inertia_error",
-        "parameter",
         "`armature` is 0.25 kg·m², in the simulation 0.15",
         built_of(JointParts(armature=ARMATURE + 0.1), {"inertia_change": 0.1}),
     ),
-    Effect("payload_error", "parameter", "a child body of 0.4 kg, 0.4 m from the axis", _payload()),
-    Effect(
+    _parameter("payload_error", "a child body of 0.4 kg, 0.4 m from the axis", _payload()),
+    _measurement(
         "torque_gain_error",
-        "measurement",
         "`gear` of the motor is 0.94, so that the recorded torque is too large",
         built_of(motor('gear="0.94"'), {"gain_error": 1.0 / 0.94 - 1.0}),
     ),
-    Effect(
+    _measurement(
         "drive_lag",
-        "measurement",
         "the motor has an activation: `filterexact` of 4 ms",
         built_of(motor('dyntype="filterexact" dynprm="0.004" gainprm="1"', "general"), {"time_constant": 4e-3}),
     ),
-    Effect(
+    _measurement(
         "torque_delay",
-        "measurement",
         "the torque is recorded four samples late",
         always(Hidden(torque_delay=4, truth={"delay": 4e-3})),
     ),
-    Effect(
+    _measurement(
         "encoder_eccentricity",
-        "measurement",
         "the encoder reads 4 mrad · sin(q + 0.5) too much, also for the loop",
         always(
             Hidden(
@@ -65,15 +64,11 @@ FLAWS = (
             )
         ),
     ),
-    Effect(
-        "torque_offset",
-        "parameter",
-        "`qfrc_applied` of 0.5 N·m throughout",
-        written(lambda: law.constant(0.5), {"offset": -0.5}),
+    _parameter(
+        "torque_offset", "`qfrc_applied` of 0.5 N·m throughout", written(lambda: law.constant(0.5), {"offset": -0.5})
     ),
-    Effect(
+    _parameter(
         "direction_asymmetry",
-        "parameter",
         "`dof_frictionloss` is 10 % larger forwards and 10 % smaller backwards",
         written(lambda: law.uneven(0.1), {"asymmetry": 0.1}),
     ),

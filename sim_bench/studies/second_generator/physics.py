@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import cos, sin, sqrt
 
 import numpy as np
@@ -71,144 +72,123 @@ def _pushes(motion: Motion) -> Hidden:
     return Hidden(law=lambda: law.pushes(windows), truth=truth)
 
 
+_physics = partial(Effect, "physics")
+
 PHYSICS = (
-    Effect(
+    _physics(
         "load_coulomb",
-        "physics",
         "`dof_frictionloss` grows by 0.1 of the size of `qfrc_bias`",
         written(lambda: law.by_load(coulomb=0.1), {"coefficient": 0.1, "inertia_share": 0.0}),
     ),
-    Effect(
+    _physics(
         "load_stribeck",
-        "physics",
         "the static part of `dof_frictionloss` grows by 0.15 of the size of `qfrc_bias`",
         written(lambda: law.by_load(stribeck=0.15), {"coefficient": 0.15, "inertia_share": 0.0}),
     ),
-    Effect(
+    _physics(
         "load_quadratic",
-        "physics",
         "`dof_frictionloss` grows by 0.01 /(N·m) of the square of `qfrc_bias`",
         written(lambda: law.by_load(quadratic=0.01), {"coefficient": 0.01, "inertia_share": 0.0}),
     ),
-    Effect(
+    _physics(
         "position_coulomb",
-        "physics",
         "`dof_frictionloss` waves with the angle: 0.24 N·m, six waves a turn",
         written(
             lambda: law.waving_level(*_WAVE),
             {"cosine": _WAVE[0] * cos(_WAVE[2]), "sine": -_WAVE[0] * sin(_WAVE[2]), "order": _WAVE[1]},
         ),
     ),
-    Effect(
+    _physics(
         "cogging",
-        "physics",
         "`qfrc_applied` ripples with the angle: 0.25 N·m, 18 waves a turn",
         written(
             lambda: law.ripple(*_COG),
             {"sine": _COG[0] * cos(_COG[2]), "cosine": _COG[0] * sin(_COG[2]), "order": _COG[1]},
         ),
     ),
-    Effect(
+    _physics(
         "presliding_hysteresis",
-        "physics",
         "`frictionloss`, of one level, acts on a second body of 0.0002 kg·m²; a tendon ties it to the joint and gives "
         "3 mrad at that level",
         always(Hidden(parts=_slider(), law=lambda: law.level)),
     ),
-    Effect(
+    _physics(
         "frictional_lag",
-        "physics",
         "`dof_frictionloss` follows the velocity through a low pass of 8 ms",
         written(lambda: law.LateFriction(8e-3)),
     ),
-    Effect(
+    _physics(
         "dwell_stiction",
-        "physics",
         "`dof_frictionloss` grows at rest by up to 1 N·m within 0.5 s, and loses it over 2 mrad",
         written(lambda: law.Dwell(1.0, 0.5, 2e-3), {"rise": 1.0, "time_constant": 0.5, "travel": 2e-3}),
     ),
-    Effect(
+    _physics(
         "thermal_friction",
-        "physics",
         "`dof_damping` falls by 1.5 % a kelvin of the recorded temperature, which the motor's power raises",
         written(lambda: law.thinning(0.015), {"coulomb_slope": 0.0}),
     ),
-    Effect(
+    _physics(
         "stribeck_shape",
-        "physics",
         "`dof_frictionloss` falls with the exponent 0.6",
         written(lambda: law.other_shape(0.6), {"stribeck_exponent": 0.6}),
     ),
-    Effect(
+    _physics(
         "power_law_viscous",
-        "physics",
         "`dof_damping` times velocity is 1.2 |v|^0.6",
         written(lambda: law.power_law(1.2, 0.6), {"coefficient": 1.2, "exponent": 0.6}),
     ),
-    Effect(
+    _physics(
         "quadratic_drag",
-        "physics",
         '`damping="1.2 0.8"`: MuJoCo\'s polynomial, whose second part is 0.8 v |v|',
         built_of(JointParts(damping=f"{VISCOUS} 0.8"), {"coefficient": 0.8}),
     ),
-    Effect(
+    _physics(
         "joint_elasticity",
-        "physics",
         "the link hangs on a second hinge with `stiffness` 400 and `damping` 1.5",
         built_of(hang_behind(f'stiffness="{_STIFFNESS}" damping="{_DAMPING}"'), _ELASTIC),
     ),
-    Effect(
+    _physics(
         "backlash",
-        "physics",
         "the link hangs on a second hinge that is free within a `range` of 8 mrad",
         built_of(
             hang_behind(f'range="-{_GAP / 2} {_GAP / 2}" limited="true" damping="0.1" solreflimit="-20000 -100"'),
             {"gap": _GAP, "load_share": _ELASTIC["load_share"]},
         ),
     ),
-    Effect(
+    _physics(
         "torque_saturation",
-        "physics",
         "`forcerange` of the motor at 0.95 of the largest torque that the reference asks for",
         _saturation,
     ),
-    Effect(
+    _physics(
         "torque_ripple",
-        "physics",
         "`actuator_gainprm` waves with the angle: by 6 % of itself, 17 waves a turn",
         written(
             lambda: law.rippling_motor(*_RIPPLE),
             {"sine": -_RIPPLE[0] * cos(_RIPPLE[2]), "cosine": -_RIPPLE[0] * sin(_RIPPLE[2]), "order": _RIPPLE[1]},
         ),
     ),
-    Effect(
+    _physics(
         "torque_constant_heating",
-        "physics",
         "`actuator_gainprm` falls by 0.4 % for each (N·m)² of the mean square torque, over 15 s",
         written(lambda: law.HeatedMotor(4e-3, 15.0), {"time_constant": 15.0}),
     ),
-    Effect(
+    _physics(
         "supply_sag",
-        "physics",
         "`actuator_gainprm` falls by 0.5 % for each watt of the motor's power",
         written(lambda: law.sagging(5e-3), {"coefficient": 0.0, "loss_by_power": 5e-3}),
     ),
-    Effect(
+    _physics(
         "spring_torque",
-        "physics",
         '`stiffness="1" springref="0.17"` of the joint',
         built_of(JointParts(attributes='stiffness="1" springref="0.17"'), {"stiffness": 1.0}),
     ),
-    Effect(
+    _physics(
         "end_stop",
-        "physics",
         'upper end of the `range` 0.1 rad below what the reference asks for, `solreflimit="-300 -5"`',
         _end_stop,
     ),
-    Effect(
-        "external_disturbance",
-        "physics",
-        "`qfrc_applied` of 1.5 N·m for 2 s and of -1.5 N·m for 1.5 s of a minute",
-        _pushes,
+    _physics(
+        "external_disturbance", "`qfrc_applied` of 1.5 N·m for 2 s and of -1.5 N·m for 1.5 s of a minute", _pushes
     ),
 )
