@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
+from typing import Any
+
+import msgspec
 
 from fricomp.errors import FricompError, OutputError
 
@@ -60,6 +63,29 @@ def write_whole(path: Path, content: bytes | str, error: type[FricompError] = Ou
     """
     with whole_file(path, error) as part:
         part.write_bytes(content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content)
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Write a value as JSON, as of `format_json`, whole or not at all.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    write_whole(path, format_json(value) + "\n")
+
+
+def format_json(value: Any) -> str:
+    """A value as JSON; a number that is not finite is null, as JSON has none.
+
+    Args:
+        value: Mappings, sequences, dataclasses, msgspec structs, numbers, arrays, texts; anything else is its text.
+    """
+    return msgspec.json.format(msgspec.json.encode(value, enc_hook=_encode)).decode()
+
+
+def _encode(value: Any) -> Any:
+    """Arrays and numbers of numpy as Python's own, anything else as its text."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
 def remove_abandoned_parts(folder: Path) -> None:

@@ -46,7 +46,7 @@ def check(
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import TrialSettings, try_drive
-    from fricomp.cli.answer import answer
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
     from fricomp.control.loop.interruption import interrupting_on_ending_signals
     from fricomp.errors import ParameterError
@@ -88,7 +88,7 @@ def clear(
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import describe_energy
-    from fricomp.cli.answer import answer
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
 
     content = read_configuration(configuration)

@@ -53,10 +53,12 @@ def adapters(
     port: Annotated[
         str | None, typer.Option(help="Scan this serial port alone: a device, or usb: and its serial number.")
     ] = None,
-    baudrate: Annotated[int, typer.Option(help="Of the serial port \\[baud]; 0 tries the usual ones.")] = 0,
-    interface: Annotated[str, typer.Option(help="Of the CAN bus that is scanned alone.")] = "socketcan",
+    baudrate: Annotated[int, typer.Option(help="Baud rate of the serial port; 0 tries the usual ones.")] = 0,
+    interface: Annotated[str, typer.Option(help="python-can interface of the bus named by --channel.")] = "socketcan",
     channel: Annotated[str | None, typer.Option(help="Scan this CAN bus alone: can0, /dev/ttyACM0, ...")] = None,
-    bitrate: Annotated[int, typer.Option(help="Of the CAN bus \\[bit/s], where its interface sets it.")] = 1_000_000,
+    bitrate: Annotated[
+        int, typer.Option(help="Bit rate of the CAN bus \\[bit/s], where its interface sets it.")
+    ] = 1_000_000,
 ) -> None:
     """List the adapters, those of other packages included, and what each needs installed.
 
@@ -76,7 +78,7 @@ def adapters(
 
 def _list_adapters() -> None:
     from fricomp.adapters.registry import REFUSED, adapter_names
-    from fricomp.cli.answer import answer
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import Table, console
 
     names = ("backend", "what it drives", "from", "needs the extra", "installed")

@@ -84,7 +84,10 @@ def calibrate(
     dwell: Annotated[float, sweep_option(help="Time on a settled plateau \\[s].")] = 1.0,
     warm_up: Annotated[float, sweep_option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
     positions: Annotated[int, sweep_option(help="Places over the travel at which slow plateaus are centred.")] = 1,
-    loop: Annotated[Literal["auto", "drive", "host"], sweep_option(help="Who closes the velocity loop.")] = "auto",
+    loop: Annotated[
+        Literal["auto", "drive", "host"],
+        sweep_option(help="Where the velocity loop runs: in the drive, or here on the host."),
+    ] = "auto",
     inertia: Annotated[
         float,
         sweep_option(
@@ -92,24 +95,28 @@ def calibrate(
             help="About the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
         ),
     ] = 0.0,
-    bandwidth: Annotated[float, sweep_option(help="Of the host's loop \\[rad/s].")] = 60.0,
+    bandwidth: Annotated[float, sweep_option(help="Bandwidth of the host's loop \\[rad/s].")] = 60.0,
     check_torque: Annotated[
         float, sweep_option(help="Largest torque of the sign check, as a fraction of the torque limit.")
     ] = 0.3,
-    seed: Annotated[int, sweep_option(help="Of the order, the network's first weights and simulated noise.")] = 0,
+    seed: Annotated[
+        int, sweep_option(help="Seed of the speeds' order, the network's first weights and simulated noise.")
+    ] = 0,
     normal_load: Annotated[
         str, identification_option(help="none, transmitted (from the model), or a number.")
     ] = "none",
     method: Annotated[
-        Literal["pinn", "least_squares"], identification_option(help="Both have the same optimum.")
+        Literal["pinn", "least_squares"],
+        identification_option(help="How the law is fitted; both ways lead to the same parameters."),
     ] = "pinn",
     noise: Annotated[
-        Literal["auto", "relative", "absolute"], identification_option(help="Of the torque; relative to the friction.")
+        Literal["auto", "relative", "absolute"],
+        identification_option(help="How torque noise grows: relative is in proportion to the friction."),
     ] = "auto",
     adaptive: Annotated[
         bool,
         identification_option(
-            "--adaptive", help="Second pass at the speeds that tell most, until --accuracy is reached."
+            "--adaptive", help="Sweep again at the most informative speeds, until --accuracy is reached."
         ),
     ] = False,
     accuracy: Annotated[
@@ -124,7 +131,7 @@ def calibrate(
             "--excite", help="Move all joints of an arm (--model) at once, on a motion chosen for what it tells."
         ),
     ] = False,
-    duration: Annotated[float, instead_option(help="Of the motion of --excite \\[s].")] = _EXCITED,
+    duration: Annotated[float, instead_option(help="Length of the motion of --excite \\[s].")] = _EXCITED,
     torque_constant: Annotated[
         bool, instead_option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,

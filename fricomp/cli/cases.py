@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fricomp.cli.answer import AsJson, print_json
-from fricomp.cli.answer import answer as answer_json
 from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.output import answer
 
 if TYPE_CHECKING:
     from fricomp.results import Results
@@ -84,11 +83,11 @@ def make(
     with _claim_case(out, CASE, derive_case_id(spec), overwrite=overwrite) as answers:
         case = generate(spec)
         folder = write_case(case, out)
-        answer, digest = write_answer(case, answers)
-    answer_json({"case": folder, "answer": answer, "sha256": digest, "enr": case.enr, "rows": case.left.size})
+        truth, digest = write_answer(case, answers)
+    answer({"case": folder, "answer": truth, "sha256": digest, "enr": case.enr, "rows": case.left.size})
     show = console()
     show.print(f"{folder}: effect-to-noise ratio {case.enr:.3g} over {case.left.size} rows", soft_wrap=True)
-    show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
+    show.print(f"answer {truth}, SHA-256 {digest}", soft_wrap=True)
     given = "--friction " + str(folder / "friction.json") if (folder / "friction.json").exists() else ""
     show.print(
         f"try: fricomp diagnose {folder}/recording.parquet --simulation {folder}/joint.xml "
@@ -122,11 +121,11 @@ def _make_arm(out: Path, effects: list[str] | None, seed: int, duration: float, 
     with _claim_case(out, ARM_CASE, arm_id(spec), overwrite=overwrite) as answers:
         case = generate_arm(spec)
         folder = write_arm_case(case, out)
-        answer, digest = write_arm_answer(case, answers)
-    answer_json({"case": folder, "answer": answer, "sha256": digest})
+        truth, digest = write_arm_answer(case, answers)
+    answer({"case": folder, "answer": truth, "sha256": digest})
     show = console()
     show.print(f"{folder}: six joints, {duration:g} s at {1.0 / (case.time[1] - case.time[0]):.0f} Hz", soft_wrap=True)
-    show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
+    show.print(f"answer {truth}, SHA-256 {digest}", soft_wrap=True)
     show.print(
         f"try: fricomp diagnose {folder}/log --simulation {folder}/arm.xml --out {folder}/diagnosis", soft_wrap=True
     )
@@ -136,7 +135,7 @@ def _make_arm(out: Path, effects: list[str] | None, seed: int, duration: float, 
 def inject(
     source: Annotated[str, typer.Argument(help="Public recording; its data must be here.")],
     out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
-    effect: Annotated[str, typer.Option(help="What is put into it; nothing by default.")] = "",
+    effect: Annotated[str, typer.Option(help="Effect to add; none by default.")] = "",
     strength: Annotated[str, typer.Option(help="1, 2 or 5 times what a base refit leaves of the recording.")] = "2",
     seed: Annotated[int, typer.Option(min=0, help="Draws order and phase.")] = 1,
     overwrite: Overwrite = False,
@@ -156,11 +155,13 @@ def inject(
         folder = out / spec.name
         for name, content in made.files.items():
             write_whole(folder / name, content)
-        write_whole(answers / f"{spec.name}.json", made.answer)
-    answer_json({"case": folder, "answer": answers / f"{spec.name}.json", "enr": json.loads(made.answer)["enr"]})
+        truth = answers / f"{spec.name}.json"
+        write_whole(truth, made.answer)
+    enr = json.loads(made.answer)["enr"]
+    answer({"case": folder, "answer": truth, "enr": enr})
     show = console()
-    show.print(f"{folder}: strength {json.loads(made.answer)['enr']:.3g}", soft_wrap=True)
-    show.print(f"answer {answers / spec.name}.json", soft_wrap=True)
+    show.print(f"{folder}: strength {enr:.3g}", soft_wrap=True)
+    show.print(f"answer {truth}", soft_wrap=True)
     show.print(f"try: fricomp diagnose {folder} --out {out / 'diagnosis'}", soft_wrap=True)
 
 
@@ -186,17 +187,13 @@ def _claim_case(out: Path, kind: Results, name: str, *, overwrite: bool) -> Iter
 
 
 @app.command("list", epilog="fricomp cases list")
-def list_names(as_json: AsJson = False) -> None:
+def list_names() -> None:
     """List effects with their forms, motions, noises, cores, strengths and faults."""
     from fricomp.cli.terminal import Table, console
     from fricomp.sim_bench.cases import CHOICES, EFFECTS
 
-    if as_json:
-        effects = {
-            each.name: {"kind": each.kind, "forms": [form.name for form in each.forms]} for each in EFFECTS.values()
-        }
-        print_json({"effects": effects, **CHOICES})
-        return
+    effects = {each.name: {"kind": each.kind, "forms": [form.name for form in each.forms]} for each in EFFECTS.values()}
+    answer({"effects": effects, **CHOICES})
     table = Table("effect", "kind", "forms")
     for effect in EFFECTS.values():
         table.add_row(effect.name, effect.kind, ", ".join(form.name for form in effect.forms))

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.answer import AsJson, print_json
 from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.output import answer
 from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
@@ -32,32 +32,36 @@ fricomp check-loop friction.json --inertia 0.1 --stiffness 98.7 --damping 6.28 -
 def check_loop(
     model: Annotated[Path, typer.Argument(help="Model file of the joint (friction.json).")],
     inertia: Annotated[float, typer.Option(help="Inertia at the joint \\[kg·m²] or \\[kg].")],
-    bandwidth: Annotated[float | None, typer.Option(help="Of a critically damped PD loop \\[Hz].")] = None,
+    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of a critically damped PD loop \\[Hz].")] = None,
     stiffness: Annotated[float | None, typer.Option(help="Proportional gain \\[N·m/rad] or \\[N/m].")] = None,
     damping: Annotated[float | None, typer.Option(help="Derivative gain \\[N·m·s/rad] or \\[N·s/m].")] = None,
     delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
         float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,
-    gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
+    gain: Annotated[
+        float | None, typer.Option(help="Gain of the compensation; chosen from the model if left out.")
+    ] = None,
     source: Annotated[
-        Literal["reference", "blend", "measured"] | None, typer.Option(help="Of the direction; chosen if left out.")
+        Literal["reference", "blend", "measured"] | None,
+        typer.Option(help="Where the compensator takes the direction of motion from; chosen if left out."),
     ] = None,
     period: Annotated[float, typer.Option(help="Control period \\[s].")] = 1e-3,
     quantum: Annotated[float, typer.Option(help="Step of the measured velocity \\[rad/s] or \\[m/s].")] = 0.0,
     torque_limit: Annotated[
-        float | None, typer.Option(help="Of drive or safety gate, for the simulation \\[N·m] or \\[N].")
+        float | None, typer.Option(help="Largest torque of drive or safety gate, for the simulation \\[N·m] or \\[N].")
     ] = None,
     torque_rate: Annotated[
-        float | None, typer.Option(help="Fastest change of the torque, likewise \\[N·m/s] or \\[N/s].")
+        float | None, typer.Option(help="Fastest change of that torque \\[N·m/s] or \\[N/s].")
     ] = None,
     velocity_limit: Annotated[
         float | None,
-        typer.Option(help="Of the safety gate \\[rad/s] or \\[m/s]; the model's highest speed if left out."),
+        typer.Option(
+            help="Velocity limit of the safety gate \\[rad/s] or \\[m/s]; the model's highest speed if left out."
+        ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
     overwrite: Overwrite = False,
-    as_json: AsJson = False,
 ) -> None:
     """Margin to the limit cycle, by describing function and by simulation; exit status 1 where it is under 15 %."""
     from fricomp.cli.terminal import console
@@ -85,16 +89,14 @@ def check_loop(
         result = check(friction, loop, settings, period=period, velocity_quantum=quantum, drive=drive)
         fastest = settings.velocity_range[1] if velocity_limit is None else velocity_limit
         travels = list(_travels(loop, drive, fastest, period, friction.position_unit))
-        if as_json:
-            print_json(_as_answer(result, friction, travels))
-        else:
-            _print_check(result, friction, travels)
+        answer(_as_answer(result, friction, travels))
+        _print_check(result, friction, travels)
         for chart in charts:
             from fricomp.control.loop.loop_charts import gain_scan_chart
             from fricomp.report import draw_png
 
             draw_png(gain_scan_chart(result, f"joint {friction.joint}"), chart)
-            console(stderr=as_json).print(f"Chart in {chart}")
+            console().print(f"Chart in {chart}")
     if not result.is_safe:
         raise typer.Exit(1)
 

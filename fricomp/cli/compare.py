@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fricomp.cli.answer import AsJson, print_json
+from fricomp.cli.output import answer
 
 if TYPE_CHECKING:
     from fricomp.calibration.comparison import ModelComparison
@@ -31,7 +31,6 @@ def compare(
     fail_if_changed: Annotated[
         bool, typer.Option("--fail-if-changed", help="End with exit status 1 where the joint has changed.")
     ] = False,
-    as_json: AsJson = False,
 ) -> None:
     """Has this joint changed, in which parameter, and how sure is that?"""
     from dataclasses import asdict
@@ -41,10 +40,8 @@ def compare(
 
     before, after = load_model(old), load_model(new)
     result, doubts = compare_models(before, after, significance), _find_doubts(before, after)
-    if as_json:
-        print_json({"changed": result.changed, **asdict(result), "doubts": doubts})
-    else:
-        _print_comparison(result, after, significance, doubts)
+    answer({"changed": result.changed, **asdict(result), "doubts": doubts})
+    _print_comparison(result, after, significance, doubts)
     if fail_if_changed and result.changed:
         raise typer.Exit(EXIT_CHANGED)
 

@@ -76,7 +76,7 @@ def convert(
     """Bring recordings of other formats into the native one, and check them."""
     from dataclasses import replace
 
-    from fricomp.cli.answer import answer
+    from fricomp.cli.output import answer
     from fricomp.recording import raise_errors, write_recording
     from fricomp.results import claim_single_files
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from fricomp.cli.answer import AsJson
 from fricomp.cli.diagnosis.arm import (
     ArmOptions,
     Channel,
@@ -29,6 +28,7 @@ from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
 from fricomp.cli.option.panel import fleet_option, option_under, output_option
 from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.output import hearing
 from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def diagnose(
         str | None, simulation_option(help="Name of the joint; needed where the simulation has several.")
     ] = None,
     simulation_error: Annotated[
-        float | None, simulation_option(help="How far its inertia and gravity may be off: 0.2 for 20 %, as usual.")
+        float | None, simulation_option(help="How wrong its inertia and gravity may be: 0.2 for 20 %, the default.")
     ] = None,
     friction: Annotated[
         Path | None, simulation_option(help="Friction model of the simulation (friction.json).")
@@ -119,7 +119,6 @@ def diagnose(
     resume: Resume = False,
     fail_if: FailIf = None,
     overwrite: Overwrite = False,
-    as_json: AsJson = False,
     match: Match = None,
     gain: Gain = None,
     channel: Channel = None,
@@ -128,7 +127,9 @@ def diagnose(
     start: From = None,
     stop: To = None,
     open_report: OpenPage = False,
-    seed: Annotated[int, diagnosis_option(min=0, help="Of the bands of the report; no answer depends on it.")] = 0,
+    seed: Annotated[
+        int, diagnosis_option(min=0, help="Seed of the bands drawn in the report; no answer depends on it.")
+    ] = 0,
     schema: Annotated[
         bool,
         output_option(
@@ -154,7 +155,7 @@ def diagnose(
         "simulation_error": simulation_error,
     }  # fmt: skip
     given = {"friction": friction, "simulated": simulated, "controller": controller}
-    fleet = FleetRun(executor, workers, resume, fail_if, as_json)
+    fleet = FleetRun(executor, workers, resume, fail_if)
     cut = Cut(start, stop)
     if each or any(map(is_joint_table, recordings)):
         if any(cut.given.values()):
@@ -164,7 +165,7 @@ def diagnose(
         _diagnose_fleet(recordings, out, options, given, fleet)
         return
     _refuse_fleet_options(fleet)
-    arm = ArmOptions(match, gain, channel, mapping, as_json)
+    arm = ArmOptions(match, gain, channel, mapping)
     log = None if joint is not None else find_arm_log(recordings, simulation, arm)
     log = None if log is None else cut.apply_to_log(log)
     if log is not None and simulation is not None and len(log.sessions) == 1 and not payload:
@@ -180,7 +181,7 @@ def diagnose(
             chosen = channel or mapping or joint or any(cut.given.values())
             asked = {path: cut.apply(read_joint(path, arm, joint)) for path in paths} if chosen else {}
             run = run_diagnosis(paths, out, options, given, overwrite=overwrite, asked=asked)
-    if as_json:
+    if hearing().as_json:
         _print_record(out)
     else:
         _print_diagnosis(run, out)
@@ -346,7 +347,6 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
 def _print_record(out: Path) -> None:
     """The record as it was written, which --schema describes."""
     from fricomp.cli.diagnosis.folder import RECORD
-    from fricomp.cli.output import hearing
 
     hearing().answered = True
     print((out / RECORD).read_text(encoding="utf-8"), end="")

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from fricomp.overview import OverviewTable
 
 app = typer.Typer(add_completion=False)
 
@@ -52,8 +49,8 @@ def evaluate(
     """Measure a model on a recording: torque error in a band, and open-loop position error after 0.1, 0.5 and 2 s."""
     from math import inf
 
-    from fricomp.cli.answer import answer
-    from fricomp.cli.terminal import console
+    from fricomp.cli.output import answer
+    from fricomp.cli.terminal import console, make_table
     from fricomp.evaluation import evaluate as evaluate_model
 
     spans = (
@@ -66,16 +63,5 @@ def evaluate(
         show.print(sentence, markup=False)
     for table in overview.tables:
         if table.rows:
-            show.print(_build_table(table))
+            show.print(make_table(table.heads, table.rows))
     answer(found.to_json())
-
-
-def _build_table(table: OverviewTable):  # type: ignore[no-untyped-def]
-    from fricomp.cli.terminal import Table
-
-    built = Table()
-    for head in table.heads:
-        built.add_column(head, overflow="fold")
-    for row in table.rows:
-        built.add_row(*row)
-    return built

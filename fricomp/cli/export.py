@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
+    from fricomp.export.simulators import MjcfWay
     from fricomp.model import FrictionModel
 
 __all__ = ["app"]
@@ -26,26 +26,7 @@ fricomp export joint1/friction.onnx joint2/friction.onnx --to onnx --out arm.onn
 fricomp export joint1/friction.json joint2/friction.json --to isaaclab --out friction_settings.py"""
 
 
-class Target(str, Enum):  # noqa: UP042 - typer shows the values of a str enum
-    """Formats."""
-
-    c = "c"
-    onnx = "onnx"
-    mjcf = "mjcf"
-    urdf = "urdf"
-    json = "json"
-    isaaclab = "isaaclab"
-    mjlab = "mjlab"
-    newton = "newton"
-    ros2 = "ros2"
-
-
-class Way(str, Enum):  # noqa: UP042
-    """Ways to say friction in MJCF."""
-
-    dcmotor = "dcmotor"
-    damping = "damping"
-    frictionloss = "frictionloss"
+Target = Literal["c", "onnx", "mjcf", "urdf", "json", "isaaclab", "mjlab", "newton", "ros2"]
 
 
 @app.command(epilog=EPILOG)
@@ -53,7 +34,10 @@ def export(
     models: Annotated[list[Path], typer.Argument(help="Model files; several for --to onnx and settings.")],
     to: Annotated[Target, typer.Option(help="Format.")],
     out: Annotated[Path | None, typer.Option(help="File to write; the terminal for text if left out.")] = None,
-    way: Annotated[Way, typer.Option(help="MJCF: passive motor, damping polynomial, or friction loss.")] = Way.dcmotor,
+    way: Annotated[
+        Literal["dcmotor", "damping", "frictionloss"],
+        typer.Option(help="MJCF: passive motor, damping polynomial, or friction loss."),
+    ] = "dcmotor",
     into: Annotated[Path | None, typer.Option(help="MJCF or URDF file to write the friction into.")] = None,
     joint: Annotated[str | None, typer.Option(help="Joint's name there; the model's own if left out.")] = None,
     period: Annotated[float, typer.Option(help="C: control period \\[s].")] = 1e-3,
@@ -66,8 +50,7 @@ def export(
     overwrite: Overwrite = False,
 ) -> None:
     """Write a model in another format, and say what that format cannot hold."""
-    from fricomp.cli.answer import answer
-    from fricomp.cli.output import hearing
+    from fricomp.cli.output import answer, hearing
     from fricomp.cli.terminal import console
     from fricomp.errors import ExportError
     from fricomp.results import claim_single_files
@@ -75,36 +58,33 @@ def export(
 
     text, inputs = "", [*models, *([into] if into is not None else [])]
     with claim_single_files([] if out is None else [out], overwrite=overwrite, inputs=inputs):
-        if to is Target.onnx:
+        if to == "onnx":
             if out is None:
                 raise ExportError("ONNX is binary: say where with --out")
             note = _export_onnx(models, out, any_status)
         else:
-            text, note = _render_text(models, (to, way, any_status), (into, joint), (period, prefix))
+            text, note = _render_text(
+                models, to, any_status, way=way, into=into, joint=joint, period=period, prefix=prefix
+            )
             if out is not None:
                 write_whole(out, text, ExportError)
             elif not hearing().as_json:
                 print(text, end="")
-    answer({"format": to.value, "file": out, "text": text if out is None else None, "fidelity": note})
+    answer({"format": to, "file": out, "text": text if out is None else None, "fidelity": note})
     console(stderr=True).print(note if out is None else f"{out}: {note}", soft_wrap=True)
 
 
-def _render_text(
-    models: list[Path],
-    kind: tuple[Target, Way, bool],
-    target: tuple[Path | None, str | None],
-    c_options: tuple[float, str | None],
-) -> tuple[str, str]:
+def _render_text(models: list[Path], to: Target, any_status: bool, **options: Any) -> tuple[str, str]:
+    """The text, and what it loses; `options` are those of `_render`."""
     from fricomp.errors import ExportError
     from fricomp.export import TRAINING_FORMATS
 
-    to, _, any_status = kind
-    if to.value in TRAINING_FORMATS:
+    if to in TRAINING_FORMATS:
         return _render_settings(models, to, any_status)
     if len(models) != 1:
         several = ", ".join(["onnx", *TRAINING_FORMATS])
-        raise ExportError(f"{len(models)} models given; --to {to.value} takes one, several are for --to {several}")
-    return _render(models[0], kind, target, c_options)
+        raise ExportError(f"{len(models)} models given; --to {to} takes one, several are for --to {several}")
+    return _render(models[0], to, any_status, **options)
 
 
 def _render_settings(paths: list[Path], to: Target, any_status: bool) -> tuple[str, str]:
@@ -117,7 +97,7 @@ def _render_settings(paths: list[Path], to: Target, any_status: bool) -> tuple[s
     names = [each.joint for each in levels]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ExportError(f"two models are of joint {', '.join(twice)}: give one a joint")
-    return render_training(levels, to.value), "; ".join(f"{each.joint}: {each.fidelity}" for each in levels)
+    return render_training(levels, to), "; ".join(f"{each.joint}: {each.fidelity}" for each in levels)
 
 
 def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:
@@ -155,27 +135,30 @@ def _facts(model: FrictionModel) -> dict[str, str]:
 
 def _render(
     path: Path,
-    kind: tuple[Target, Way, bool],
-    target: tuple[Path | None, str | None],
-    c_options: tuple[float, str | None],
+    to: Target,
+    any_status: bool,
+    *,
+    way: MjcfWay,
+    into: Path | None,
+    joint: str | None,
+    period: float,
+    prefix: str | None,
 ) -> tuple[str, str]:
     from fricomp.export import apply_to_mjcf, apply_to_urdf, export_mjcf, export_urdf, render_c_header
     from fricomp.model import encode_model, load_model
     from fricomp.version import __version__
 
-    model, (to, way, any_status), (into, joint) = load_model(path), kind, target
-    text = _read(into) if into is not None else None
-    if to is Target.json:
+    model, text = load_model(path), _read(into) if into is not None else None
+    if to == "json":
         return encode_model(model).decode(), "nothing is lost"
-    if to is Target.c:
-        period, prefix = c_options
+    if to == "c":
         header = render_c_header(model, period=period, prefix=prefix, version=__version__, any_status=any_status)
         return (
             header,
             "the same curve, smoothing and limits; double within 1e-12, float within 1e-6 of the largest torque",
         )
-    if to is Target.mjcf:
-        export = export_mjcf(model, way.value, any_status=any_status)
+    if to == "mjcf":
+        export = export_mjcf(model, way, any_status=any_status)
         return apply_to_mjcf(export, text, joint or model.joint), str(export.fidelity)
     export = export_urdf(model, any_status=any_status)
     return apply_to_urdf(export, text, joint or model.joint), str(export.fidelity)

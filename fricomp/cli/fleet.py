@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.answer import print_json
 from fricomp.cli.option.panel import fleet_option
+from fricomp.cli.output import answer
 
 if TYPE_CHECKING:
     from fricomp.fleet import FleetJoint, FleetRow, Work
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Executor", "FailIf", "FleetRun", "Resume", "Workers", "rich_table", "run_joints", "show_fleet"]
 
-Executor = Annotated[str, fleet_option(help="Of a fleet: processes, serial or dask://host:port.")]
-Workers = Annotated[int | None, fleet_option(min=1, help="Of a fleet; one a core by default.")]
-Resume = Annotated[bool, fleet_option("--resume", help="Of a fleet: go on with the one in --out.")]
+Executor = Annotated[str, fleet_option(help="Where a fleet runs: processes, serial or dask://host:port.")]
+Workers = Annotated[int | None, fleet_option(min=1, help="Number of processes for a fleet; one a core by default.")]
+Resume = Annotated[bool, fleet_option("--resume", help="Go on with the fleet in --out.")]
 FailIf = Annotated[
     Literal["any", "missing", "unusable"] | None,
     fleet_option(
-        help="Of a fleet: end with exit status 1 if a joint's answer is at least this bad; any: worse than nothing."
+        help="End with exit status 1 if the answer of a joint is at least this bad; any: anything found to be off."
     ),
 ]
 EXIT_FOUND = 1
@@ -33,13 +33,12 @@ EXIT_FOUND = 1
 
 @dataclass(frozen=True)
 class FleetRun:
-    """Where a fleet runs, whether it goes on with what is there, and how it answers."""
+    """Where a fleet runs, and whether it goes on with what is there."""
 
     executor: str
     workers: int | None
     resume: bool
     fail_if: str | None = None
-    as_json: bool = False
 
     @property
     def given(self) -> dict[str, bool]:
@@ -89,14 +88,12 @@ def show_fleet(
     from fricomp.fleet import Severity, rate_row
 
     rows, table = sorted(rows, key=rate_row, reverse=True), page.with_name("fleet.parquet")
-    show = console(stderr=run.as_json)
+    show = console()
     for row in rows:
         for warning in (row.get("warnings") or "").splitlines():
             show.print(f"{row['name']}: {warning}", style="yellow", markup=False)
-    if run.as_json:
-        print_json({"joints": rows, "page": page, "table": table})
-    else:
-        show.print(rich_table(build(rows)))
+    answer({"joints": rows, "page": page, "table": table})
+    show.print(rich_table(build(rows)))
     show.print(f"\nThe whole fleet: {page}; as a table: {table}", soft_wrap=True, markup=False)
     least = {"any": Severity.PARAMETERS, "missing": Severity.MISSING, "unusable": Severity.UNUSABLE}
     if run.fail_if is not None and any(rate_row(row) >= least[run.fail_if] for row in rows):
@@ -105,11 +102,6 @@ def show_fleet(
 
 def rich_table(table: Table) -> Any:
     """A table of a report for the terminal."""
-    from fricomp.cli.terminal import Table as RichTable
+    from fricomp.cli.terminal import make_table
 
-    shown = RichTable(title=table.caption or None, title_justify="left", box=None, pad_edge=False)
-    for column in table.columns:
-        shown.add_column(column, overflow="fold")
-    for row in table.rows:
-        shown.add_row(*row)
-    return shown
+    return make_table(table.columns, table.rows, title=table.caption or None, box=None, pad_edge=False)

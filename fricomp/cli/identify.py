@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.answer import AsJson, print_json
 from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, read_joint, run_arm
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
 from fricomp.cli.option.panel import arm_option, fleet_option, log_option, option_under, output_option
 from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.output import answer
 from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def identify(
         "runs/identify"
     ),
     method: Annotated[
-        Literal["pinn", "least_squares"], table_option(help="For tables only; both have the same optimum.")
+        Literal["pinn", "least_squares"], table_option(help="For tables only; both ways lead to the same parameters.")
     ] = "pinn",
     noise: Annotated[Literal["auto", "relative", "absolute"], table_option(help="For tables only.")] = "auto",
     loss: Annotated[
@@ -89,18 +89,17 @@ def identify(
             show_default=False,
         ),
     ] = None,
-    seed: Annotated[int, friction_option(min=0, help="Of the network's first weights.")] = 0,
+    seed: Annotated[int, friction_option(min=0, help="Seed of the network's first weights.")] = 0,
     depart: Annotated[
         bool, friction_option(help="Let a network leave the law where held-out points ask for it.")
     ] = False,
     batch: Annotated[bool, fleet_option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
-    device: Annotated[str, fleet_option(help="Of torch, for --batch: cpu, cuda.")] = "cpu",
+    device: Annotated[str, fleet_option(help="torch device for --batch: cpu, cuda.")] = "cpu",
     executor: Executor = "processes",
     workers: Workers = None,
     resume: Resume = False,
     fail_if: FailIf = None,
     overwrite: Overwrite = False,
-    as_json: AsJson = False,
     simulation: Annotated[
         Path | None, arm_option(help="MJCF or URDF of an arm whose joints all move in the log.")
     ] = None,
@@ -122,7 +121,7 @@ def identify(
     require(*REPORT, "onnx")
     _refuse_unknown(law or "stribeck")
     require_folder(out)
-    arm = ArmOptions(match, gain, channel, mapping, as_json)
+    arm = ArmOptions(match, gain, channel, mapping)
     cut = Cut(start, stop)
     if simulation is not None:
         _refuse(
@@ -134,7 +133,7 @@ def identify(
         return
     arm.refuse("is of an arm: give its --simulation too, or leave it out")
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
-    fleet = FleetRun(executor, workers, resume, fail_if, as_json)
+    fleet = FleetRun(executor, workers, resume, fail_if)
     several = batch or _is_fleet(files)
     _refuse({"--channel": bool(channel) and several, "--mapping": bool(mapping) and several}, "is of one file")
     _refuse(
@@ -157,10 +156,8 @@ def identify(
             found = identify_source(source, settings, flag="--")
             claim.clear()
             written = write_identification(found, out)
-        if as_json:
-            print_json(_as_answer(found, written))
-        else:
-            _print(found, written)
+        answer(_as_answer(found, written))
+        _print(found, written)
         open_page(out / "report.html", wanted=open_report)
         if not found.is_usable:
             raise typer.Exit(EXIT_NOT_USABLE)

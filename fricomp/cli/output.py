@@ -52,11 +52,9 @@ def with_output_options(command: Any) -> Any:
         with_output_options(each)
     if hasattr(command, "commands") or any(one.name == "quiet" for one in command.params):
         return command
-    own = {one.name for one in command.params}
-    given = [one for one in _make_options() if one.name not in own and (one.name != "json" or "as_json" not in own)]
     # Before --help, which stands last where it is listed.
-    command.params = [*command.params, *given]
-    command.callback = _answering(command.callback, own)
+    command.params = [*command.params, *_make_options()]
+    command.callback = _answering(command.callback)
     command.format_help = _whole(command.format_help)
     return command
 
@@ -87,14 +85,12 @@ def _make_options() -> list[Any]:
     return [one for one in typer.main.get_command(app).params if one.name in ("json", "quiet")]
 
 
-def _answering(callback: Callable[..., Any], own: set[str]) -> Callable[..., Any]:
+def _answering(callback: Callable[..., Any]) -> Callable[..., Any]:
     """The function of a command, which takes both options and prints what was said as JSON where that is the answer."""
 
     @wraps(callback)
-    def answer(*args: Any, **options: Any) -> Any:
-        quiet = bool(options.pop("quiet", False))
-        asked = options.get("as_json", False) if "as_json" in own else options.pop("json", False)
-        with _noting(Said(quiet, bool(asked))) as said:
+    def call(*args: Any, quiet: bool = False, json: bool = False, **options: Any) -> Any:
+        with _noting(Said(quiet, json)) as said:
             try:
                 result = callback(*args, **options)
             except typer.Exit:
@@ -103,7 +99,7 @@ def _answering(callback: Callable[..., Any], own: set[str]) -> Callable[..., Any
             _print_said(said)
             return result
 
-    return answer
+    return call
 
 
 @contextmanager
@@ -120,18 +116,19 @@ def _print_said(said: Said) -> None:
         print_json({"sentences": said.sentences, "tables": said.tables})
 
 
-def print_json(answer: Any) -> None:
-    """Print a value as JSON on stdout; a number that is not finite is null, as JSON has none.
+def answer(value: Any) -> None:
+    """Print the answer of a command where `--json` asks for it; in its place, what the command said would be printed.
 
     Args:
-        answer: Mappings, sequences, dataclasses, msgspec structs, numbers, texts, paths.
+        value: As of `format_json`.
     """
-    import msgspec
+    if hearing().as_json:
+        print_json(value)
+
+
+def print_json(value: Any) -> None:
+    """Print a value as JSON on stdout, as of `format_json`."""
+    from fricomp.whole_file import format_json
 
     hearing().answered = True
-    print(msgspec.json.format(msgspec.json.encode(answer, enc_hook=_encode)).decode())
-
-
-def _encode(value: Any) -> Any:
-    """Arrays and numbers of numpy as Python's own, anything else as its text."""
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+    print(format_json(value))

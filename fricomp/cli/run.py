@@ -54,17 +54,21 @@ def run(
         str | None, drive_option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
     ] = None,
     config: Annotated[Path | None, drive_option(help="Configuration of bus and joints (TOML).")] = None,
-    inertia: Annotated[list[float], loop_option(help="At each joint \\[kg·m²] or \\[kg]; once for all.")] = [0.1],  # noqa: B006
-    bandwidth: Annotated[float, loop_option(help="Of the PD position loop \\[Hz].")] = 5.0,
-    amplitude: Annotated[float, motion_option(help="Of the sine \\[rad] or \\[m].")] = 0.2,
-    frequency: Annotated[float, motion_option(help="Of the sine \\[Hz].")] = 0.1,
-    cycles: Annotated[float, motion_option(help="Cycles of the sine.")] = 2.0,
-    rate: Annotated[float, loop_option(help="Of the loop \\[Hz].")] = 1000.0,
+    inertia: Annotated[
+        list[float], loop_option(help="Inertia at each joint \\[kg·m²] or \\[kg]; one value serves all joints.")
+    ] = [0.1],  # noqa: B006
+    bandwidth: Annotated[float, loop_option(help="Bandwidth of the PD position loop \\[Hz].")] = 5.0,
+    amplitude: Annotated[float, motion_option(help="Amplitude of the sine \\[rad] or \\[m].")] = 0.2,
+    frequency: Annotated[float, motion_option(help="Frequency of the sine \\[Hz].")] = 0.1,
+    cycles: Annotated[float, motion_option(help="Number of cycles of the sine.")] = 2.0,
+    rate: Annotated[float, loop_option(help="Rate of the control loop \\[Hz].")] = 1000.0,
     delay: Annotated[float, loop_option(help="From motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
         float, loop_option(help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,
-    gain: Annotated[float | None, loop_option(help="Of the compensation; chosen from the model if left out.")] = None,
+    gain: Annotated[
+        float | None, loop_option(help="Gain of the compensation; chosen from the model if left out.")
+    ] = None,
     priority: Annotated[int, drive_option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
     out: Annotated[Path, output_option(help="Folder for recordings and plots.")] = Path("runs/run"),
     overwrite: Overwrite = False,
@@ -79,9 +83,9 @@ def run(
     """
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import choose_adapter
-    from fricomp.cli.answer import answer
     from fricomp.cli.option.motion_log import claim_log, log_run
     from fricomp.cli.option.page import open_page, watching
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
     from fricomp.extras import REPORT, require
     from fricomp.model import load_model
@@ -127,11 +131,9 @@ def _write_results(
     results: dict[str, LoopResult], models: list[FrictionModel], out: Path, period: float
 ) -> dict[str, dict[str, Any]]:
     """Write plots and figures; gives the figures."""
-    import msgspec
-
     from fricomp.control.loop.loop_charts import build_run_page, run_chart, timing_chart
     from fricomp.report import draw_png, write_report
-    from fricomp.whole_file import write_whole
+    from fricomp.whole_file import write_json
 
     logs = {f"{name} compensation": result.log for name, result in results.items()}
     charts: list[Chart] = []
@@ -142,7 +144,7 @@ def _write_results(
     for chart in charts:
         draw_png(chart, out / f"{chart.name}.png")
     figures = {name: _figures(result) for name, result in results.items()}
-    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+    write_json(out / "figures.json", figures)
     write_report(build_run_page(models, figures, charts, list(results["with"].real_time.refused)), out / "run.html")
     return figures
 

@@ -84,6 +84,14 @@ class Table(rich.table.Table):
         return {"title": str(self.title or ""), "columns": columns, "rows": self._rows()}
 
 
+def make_table(heads: Iterable[str], rows: Iterable[Iterable[str]], **settings: Any) -> Table:
+    """A table of these rows; settings are those of `rich.table.Table`."""
+    table = Table(*heads, **settings)
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
 class _PlainConsole(Console):
     """A console that shows control characters of names and messages instead of sending them to the terminal."""
 

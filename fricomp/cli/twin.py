@@ -31,11 +31,12 @@ docs/twins.md says what a configuration file of a twin holds.
 @app.command(epilog=_EPILOG)
 def twin(
     protocol: Annotated[
-        Literal["canopen", "dynamixel", "mit", "moteus", "odrive"], typer.Argument(help="What the drive speaks.")
+        Literal["canopen", "dynamixel", "mit", "moteus", "odrive"], typer.Argument(help="Protocol of the drive.")
     ],
     config: Annotated[Path | None, typer.Option(help="TOML file: link, drives, joints.")] = None,
     link: Annotated[
-        Literal["pty", "tcp", "can"] | None, typer.Option(help="How it is reached; over what the configuration says.")
+        Literal["pty", "tcp", "can"] | None,
+        typer.Option(help="How the twin is reached; this overrides the configuration."),
     ] = None,
     tcp_port: Annotated[int, typer.Option(help="TCP port; 0 for any free one.")] = 0,
     write_config: Annotated[Path | None, typer.Option(help="Write an adapter configuration that reaches it.")] = None,
@@ -43,7 +44,7 @@ def twin(
 ) -> None:
     """Serve a drive with a simulated joint behind it in real time, until Ctrl-C."""
     from fricomp.adapters.configuration import read_table
-    from fricomp.cli.answer import answer
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.twins import TwinServer
     from fricomp.sim_bench.twins.configuration import make_twin

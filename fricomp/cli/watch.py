@@ -41,7 +41,7 @@ def watch(
     model and the one before, as fricomp compare tells it.
     """
     from fricomp.calibration.history import read_histories
-    from fricomp.cli.answer import answer
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
     from fricomp.errors import ParameterError
     from fricomp.results import claim_single_files

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from fricomp.cli.answer import print_json
 from fricomp.cli.main import app
+from fricomp.cli.output import print_json
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord
 from fricomp.diagnosis.report import build_fleet_row
 from fricomp.errors import FricompError

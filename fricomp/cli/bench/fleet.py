@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -20,20 +19,20 @@ app = typer.Typer(add_completion=False)
 def fleet(
     out: Annotated[Path, typer.Option(help="Folder for throughput.json.")],
     quick: Annotated[bool, typer.Option("--quick", help="500 joints.")] = False,
-    joints: Annotated[int | None, typer.Option(min=1, help="In one call; 5000 by default.")] = None,
-    single: Annotated[int, typer.Option(min=1, help="Identified one by one beside it.")] = 100,
-    device: Annotated[str, typer.Option(help="Of torch: cpu, cuda.")] = "cpu",
-    seed: Annotated[int, typer.Option(help="Of the fleet.")] = 0,
+    joints: Annotated[int | None, typer.Option(min=1, help="Joints identified in one call; 5000 by default.")] = None,
+    single: Annotated[int, typer.Option(min=1, help="Joints identified one by one, for comparison.")] = 100,
+    device: Annotated[str, typer.Option(help="torch device: cpu, cuda.")] = "cpu",
+    seed: Annotated[int, typer.Option(help="Seed of the fleet.")] = 0,
     overwrite: Overwrite = False,
 ) -> None:
     """Identify a fleet of joints in one call and one by one; rates, their ratio, and that both agree."""
     from fricomp.calibration.batch.throughput import measure_throughput
     from fricomp.cli.terminal import console
     from fricomp.results import claim_file
-    from fricomp.whole_file import write_whole
+    from fricomp.whole_file import write_json
 
     with claim_file(out / "throughput.json", overwrite=overwrite):
         found = measure_throughput(joints or (500 if quick else 5000), single=single, seed=seed, device=device)
         figures = asdict(found) | {"ratio": found.ratio}
-        write_whole(out / "throughput.json", json.dumps(figures, indent=1) + "\n")
+        write_json(out / "throughput.json", figures)
     console().print(str(found), soft_wrap=True)

@@ -21,19 +21,17 @@ _FULL, _QUICK = 2000, 210
 def logs(
     out: Annotated[Path, typer.Option(help="Folder for figures.json.")] = Path("runs/bench_logs"),
     quick: Annotated[bool, typer.Option(help="Each flaw and each pair once.")] = False,
-    count: Annotated[int | None, typer.Option(min=1, help="Logs; 2000 by default.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the first logs.")] = 22,
+    count: Annotated[int | None, typer.Option(min=1, help="Number of logs; 2000 by default.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first logs.")] = 22,
     overwrite: Overwrite = False,
 ) -> None:
     """Put twenty flaws into good logs, singly and in pairs: the right friction comes out, or a flaw is named."""
     from collections import Counter
 
-    import msgspec
-
     from fricomp.cli.terminal import console, progress
     from fricomp.results import claim_file
     from fricomp.sim_bench.studies.logs.trial import list_cases, try_case
-    from fricomp.whole_file import write_whole
+    from fricomp.whole_file import write_json
 
     with claim_file(out / "figures.json", overwrite=overwrite):
         total = count or (_QUICK if quick else _FULL)
@@ -46,7 +44,7 @@ def logs(
         outcomes = Counter(trial.outcome for trial in trials)
         missed = [trial for trial in trials if not trial.is_good]
         figures = {"logs": total, "seed": seed, "outcomes": outcomes, "missed": missed}
-        write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+        write_json(out / "figures.json", figures)
     show = console()
     good = total - len(missed)
     show.print(f"{good} of {total} logs ({100.0 * good / total:.2f} %) gave the right friction or named a flaw.")

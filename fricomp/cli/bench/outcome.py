@@ -32,8 +32,7 @@ def claim_study(out: Path, *packages: str, overwrite: bool) -> Iterator[None]:
 
 def end_study(outcome: StudyOutcome, out: Path) -> None:
     """Print the tables and sentences of an outcome that was written, and exit with 1 where a target was missed."""
-    from fricomp.cli.terminal import Table as Printed
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import console, make_table
     from fricomp.report import Table
 
     screen = console()
@@ -42,10 +41,7 @@ def end_study(outcome: StudyOutcome, out: Path) -> None:
             if isinstance(block, str):
                 screen.print(block)
             elif isinstance(block, Table):
-                printed = Printed(*block.columns, title=section.title)
-                for row in block.rows:
-                    printed.add_row(*row)
-                screen.print(printed)
+                screen.print(make_table(block.columns, block.rows, title=section.title))
     screen.print(f"Figures and report in {out}")
     if not outcome.passed:
         raise typer.Exit(1)

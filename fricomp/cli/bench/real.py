@@ -24,7 +24,7 @@ def real(
     only: Annotated[list[str] | None, typer.Option(help="Name of a case; all without it.")] = None,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/real.md.")] = None,
     executor: ExecutorOption = "processes",
-    seed: Annotated[int, typer.Option(min=0, help="Of the diagnoses.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the diagnoses.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
     overwrite: Overwrite = False,
 ) -> None:

@@ -29,7 +29,7 @@ def second_generator(
     overwrite: Overwrite = False,
 ) -> None:
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
-    from fricomp.cli.terminal import Table, console, progress, resumable
+    from fricomp.cli.terminal import Table, console, make_table, progress, resumable
     from fricomp.errors import DiagnosisError
     from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.folder import claim_run
@@ -54,10 +54,7 @@ def second_generator(
         right = "no" if one.wrong else "yes"
         table.add_row(one.case.name, one.verdict, ", ".join(one.named) or one.error or "–", right, f"{one.seconds:.0f}")
     console().print(table)
-    figures = Table("figure", "measured (95 % interval)")
-    for figure in compute_figures(scores):
-        figures.add_row(*figure)
-    console().print(figures)
+    console().print(make_table(["figure", "measured (95 % interval)"], compute_figures(scores)))
     if page is not None:
         write_page(scores, page, commits, quick=quick)
         console().print(f"{page} written", soft_wrap=True)

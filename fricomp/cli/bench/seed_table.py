@@ -6,12 +6,10 @@ import platform
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from fricomp.calibration.seed_study import SeedStudy
 from fricomp.cli.terminal import Table
 from fricomp.report import Chart, draw_png
-from fricomp.whole_file import write_whole
+from fricomp.whole_file import write_json
 
 _WIDTH = 27
 """Of the longest parameter, in characters."""
@@ -43,5 +41,5 @@ def seed_table(study: SeedStudy, title: str, *, profiles: bool = False) -> Table
 def save_scores(record: dict[str, Any], chart: Chart, path: Path) -> None:
     """Write `path`.json, with the machine that made it, and `path`.png."""
     record = record | {"machine": platform.platform(), "python": platform.python_version()}
-    write_whole(path.with_suffix(".json"), msgspec.json.format(msgspec.json.encode(record), indent=2))
+    write_json(path.with_suffix(".json"), record)
     draw_png(chart, path.with_suffix(".png"))

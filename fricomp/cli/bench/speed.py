@@ -25,28 +25,22 @@ def speed(
     import tempfile
     from datetime import date
 
-    import msgspec
-
-    from fricomp.cli.terminal import console, progress
+    from fricomp.cli.terminal import console, make_table, progress
     from fricomp.report import draw_png
     from fricomp.results import claim_file
     from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
     from fricomp.sim_bench.studies.speed.measure import measure_speed
     from fricomp.sim_bench.studies.speed.page import draw_growth, list_rows, write_page
-    from fricomp.whole_file import write_whole
+    from fricomp.whole_file import write_json
 
     with claim_file(out / "figures.json", overwrite=overwrite):
         with progress() as bar, tempfile.TemporaryDirectory() as folder:
             task = bar.add_task("speed", total=None)
             figures = measure_speed(Path(folder), quick=quick, progress=lambda what: bar.update(task, description=what))
-        write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+        write_json(out / "figures.json", figures)
         draw_png(draw_growth(figures.growth), out / "growth.png")
-    from fricomp.cli.terminal import Table
-
-    table = Table("what", "units", "processor [s]", "passed [s]", "simulated joints")
-    for row in list_rows(figures.timings):
-        table.add_row(*row)
-    console().print(table)
+    heads = ("what", "units", "processor [s]", "passed [s]", "simulated joints")
+    console().print(make_table(heads, list_rows(figures.timings)))
     for one in figures.peers:
         console().print(f"{one.name}: {one.units:.3g} units, {one.of_ours:.3g} times {one.ours}", soft_wrap=True)
     if page is not None:

@@ -16,21 +16,19 @@ app = typer.Typer(add_completion=False)
 def stand_in(
     out: Annotated[Path, typer.Option(help="Folder for figures.json.")] = Path("runs/bench_stand_in"),
     quick: Annotated[bool, typer.Option(help="5 s of random motion instead of 60 s.")] = False,
-    seed: Annotated[int, typer.Option(help="Of the random motion.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the random motion.")] = 0,
     overwrite: Overwrite = False,
 ) -> None:
     """Measure creep, passivity, Stribeck curve and speed of the default stand-in joint."""
-    import msgspec
-
     from fricomp.cli.terminal import Table, console
     from fricomp.results import claim_file
     from fricomp.sim_bench.stand_in import default_joint
     from fricomp.sim_bench.stand_in.figures import measure
-    from fricomp.whole_file import write_whole
+    from fricomp.whole_file import write_json
 
     with claim_file(out / "figures.json", overwrite=overwrite):
         figures = measure(default_joint(), seed=seed, seconds=5.0 if quick else 60.0)
-        write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+        write_json(out / "figures.json", figures)
     table = Table("what", "measured", "at most", title="Stand-in joint")
     table.add_row("creep under 90 % of breakaway", f"{figures.creep:.2g} rad/s", "1e-4 rad/s")
     table.add_row("friction torque × end-of-step velocity", f"{figures.largest_power:.2g} W", "1e-5 W")

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 import numpy as np
 
 from fricomp.adapters import JointAdapter, open_adapter
@@ -24,7 +23,7 @@ from fricomp.errors import ParameterError
 from fricomp.recording import write_recording
 from fricomp.report import Chart, Line, Panel, draw_png
 from fricomp.results import EXCITATION, claim_folder, plain_name
-from fricomp.whole_file import write_whole
+from fricomp.whole_file import write_json
 
 if TYPE_CHECKING:
     from fricomp.laws import FloatArray
@@ -122,7 +121,7 @@ def _write_plan(plan: Excitation, names: Sequence[str], limits: MotionLimits, ou
         "cosine": motion.cosine.tolist(),
         "recorded": recorded,
     }
-    write_whole(out / "excitation.json", msgspec.json.format(msgspec.json.encode(content)))
+    write_json(out / "excitation.json", content)
     draw_png(_draw(plan, names, limits), out / "excitation.png")
 
 

@@ -32,10 +32,10 @@ from fricomp.calibration.sweep import (
 )
 from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
-from fricomp.cli.answer import answer
 from fricomp.cli.calibration.resume import changes, refuse_other
 from fricomp.cli.option.motion_log import log_calibration
 from fricomp.cli.option.page import open_page, watching
+from fricomp.cli.output import answer
 from fricomp.cli.parameter_table import parameter_table, print_verdict
 from fricomp.cli.terminal import console, progress
 from fricomp.control.loop.ending import stopping_on_error

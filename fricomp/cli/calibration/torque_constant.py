@@ -5,19 +5,18 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from pathlib import Path
 
-import msgspec
 import typer
 from rich.text import Text
 
 from fricomp.calibration.identification.report.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest, open_joint
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
-from fricomp.cli.answer import answer
 from fricomp.cli.calibration.start import follow
+from fricomp.cli.output import answer
 from fricomp.cli.terminal import console, progress
 from fricomp.recording import Recording, write_recording
 from fricomp.results import TORQUE_CONSTANT, claim_folder
-from fricomp.whole_file import write_whole
+from fricomp.whole_file import write_json
 
 __all__ = ["measure_torque_constant"]
 
@@ -41,7 +40,7 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
         bare = _record(request, weight, out, simulated=simulated, hung=False)
         loaded = _record(request, weight, out, simulated=simulated, hung=True)
         found = identify_torque_constant(bare, loaded, weight, gear_ratio)
-        write_whole(out / _RESULT, msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
+        write_json(out / _RESULT, found)
     _print(found, out)
 
 

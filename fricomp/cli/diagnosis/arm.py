@@ -32,13 +32,12 @@ Payload = Annotated[bool, arm_option("--payload", help="The simulation is right 
 
 @dataclass(frozen=True)
 class ArmOptions:
-    """What the command line says of an arm, and whether the answer is printed as JSON."""
+    """What the command line says of an arm."""
 
     match: Sequence[str] | None = None
     gain: Sequence[str] | None = None
     channel: Sequence[str] | None = None
     mapping: str = ""
-    as_json: bool = False
 
     @property
     def names(self) -> dict[str, str]:
@@ -172,13 +171,13 @@ def run_arm(
     """
     from fricomp.api.examine_arm import examine_arm
     from fricomp.arm.output.page import build_joint_table
-    from fricomp.cli.answer import print_json
     from fricomp.cli.fleet import rich_table
+    from fricomp.cli.output import answer
     from fricomp.cli.terminal import console, progress
 
     require(*REPORT, "mujoco")
     show = console()
-    for note in () if options.as_json else log.notes:
+    for note in log.notes:
         show.print(note, style="dim", markup=False, soft_wrap=True)
     with progress() as bar:
         task = bar.add_task("reading", total=None)
@@ -188,9 +187,7 @@ def run_arm(
 
         settings: Mapping[str, object] = {"names": options.names, "gains": options.gains, "seed": seed}
         found = examine_arm(log, simulation, out=out, overwrite=overwrite, progress=say, **settings)  # type: ignore[arg-type]
-    if options.as_json:
-        print_json(found.record)
-        return found
+    answer(found.record)
     for number, sentence in enumerate(found.record.summary):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
     show.print(rich_table(build_joint_table(found.record)))

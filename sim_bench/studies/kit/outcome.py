@@ -7,10 +7,8 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from fricomp.report import Chart, ReportPage, Section, draw_png, write_report
-from fricomp.whole_file import write_whole
+from fricomp.whole_file import write_json
 
 from .commit import find_commit, format_measured
 
@@ -42,7 +40,7 @@ def write_outcome(outcome: StudyOutcome, out: Path, *, numbered: bool = False) -
         out: Folder.
         numbered: Put a number before the names of pictures, which several of them then may share.
     """
-    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(outcome.figures)))
+    write_json(out / "figures.json", outcome.figures)
     charts = [block for section in outcome.sections for block in section.blocks if isinstance(block, Chart)]
     for number, chart in enumerate(charts):
         draw_png(chart, out / (f"{number:02d}-{chart.name}.png" if numbered else f"{chart.name}.png"))

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from fricomp.report import draw_png
-from fricomp.whole_file import write_whole
+from fricomp.whole_file import write_json
 
 from ..kit.page import replace_page
 from ..kit.store import RowStore
@@ -31,10 +29,10 @@ def publish(ledger: RowStore, pages: Sequence[Path], command: str) -> None:
         command: What the page says wrote it.
     """
     charts = draw_benchmark_charts(ledger)
-    figures = msgspec.json.format(msgspec.json.encode(_collect_figures(ledger)))
+    figures = _collect_figures(ledger)
     for path in pages:
         folder = path.with_suffix("")
-        write_whole(folder / "figures.json", figures + b"\n")
+        write_json(folder / "figures.json", figures)
         for chart in charts:
             draw_png(chart, folder / f"{chart.name}.png")
         replace_page(path, format_identification_page(ledger, charts, command, folder.name), "paper")

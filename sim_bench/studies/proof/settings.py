@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 
 from fricomp.errors import DiagnosisError
-from fricomp.whole_file import write_whole
+from fricomp.whole_file import write_json
 
 from ..kit.commit import find_commit
 from .plan import GROUPS, NULLS, PlannedCase, plan_cases, plan_clear_cases
@@ -134,7 +134,7 @@ def read_settings(path: Path) -> RunSettings:
 
 def write_settings(settings: RunSettings, path: Path) -> None:
     """Write the settings to a file."""
-    write_whole(path, msgspec.json.format(msgspec.json.encode(settings), indent=1) + b"\n")
+    write_json(path, settings)
 
 
 def list_development_seeds(first: int = 0) -> Iterator[int]:

@@ -20,7 +20,7 @@ _OUT = Path("runs/gap")
 @app.command(epilog=_EPILOG)
 def gap(
     out: Annotated[Path, typer.Option(help="Folder for the cases and the table; the same command goes on.")] = _OUT,
-    cases: Annotated[int, typer.Option(min=1, help="How many.")] = 24,
+    cases: Annotated[int, typer.Option(min=1, help="Number of cases.")] = 24,
     quick: Annotated[bool, typer.Option("--quick", help="Cases of 30 s.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     executor: ExecutorOption = "processes",

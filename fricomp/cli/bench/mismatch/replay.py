@@ -19,7 +19,7 @@ _OUT = Path("runs/replay")
 def replay(
     kept: Annotated[Path, typer.Argument(help="Folder with the run.json of the run, such as docs/proof.")],
     out: Annotated[Path, typer.Option(help="Folder for answers, diagnoses and scores; one there goes on.")] = _OUT,
-    cases: Annotated[int | None, typer.Option(min=1, help="How many; all of the run by default.")] = None,
+    cases: Annotated[int | None, typer.Option(min=1, help="Number of cases; all of the run by default.")] = None,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this.")] = None,
     executor: ExecutorOption = "processes",
     workers: WorkersOption = None,

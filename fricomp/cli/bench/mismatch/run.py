@@ -36,7 +36,7 @@ def run(
     clear: Annotated[bool, typer.Option("--clear", help="Every effect once, clear, 30 s, with nulls between.")] = False,
     nulls: Annotated[bool, typer.Option("--nulls", help="Only cases in which nothing is missing.")] = False,
     injected: Annotated[bool, typer.Option("--injected", help="Effects in real recordings; needs the data.")] = False,
-    cases: Annotated[int | None, typer.Option(min=1, help=f"How many; {_FULL} by default.")] = None,
+    cases: Annotated[int | None, typer.Option(min=1, help=f"Number of cases; {_FULL} by default.")] = None,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this; --resume goes on.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT, else beside PAGE.")] = False,
     scored: Annotated[bool, typer.Option("--scored", help="Seeds from a number drawn as the run begins.")] = False,

@@ -18,18 +18,17 @@ _OUT = Path("runs/speed")
 @app.command(epilog=_EPILOG)
 def speed_up(
     out: Annotated[Path, typer.Option(help="Folder for `speed_up.json`.")] = _OUT,
-    cases: Annotated[int, typer.Option(min=2, help="How many, of 30 s each.")] = 4,
+    cases: Annotated[int, typer.Option(min=2, help="Number of cases, 30 s each.")] = 4,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     overwrite: Overwrite = False,
 ) -> None:
     """Diagnose the same concealed cases with one worker and with two, beside plain loops that share nothing."""
-    import json
     from dataclasses import asdict
 
     from fricomp.cli.terminal import console, progress
     from fricomp.results import claim_file
     from fricomp.sim_bench.studies.proof import RunSettings, measure_speed_up, plan_run
-    from fricomp.whole_file import write_whole
+    from fricomp.whole_file import write_json
 
     with claim_file(out / "speed_up.json", overwrite=overwrite):
         planned = plan_run(RunSettings(cases, quick=True, first_seed=first_seed))
@@ -37,5 +36,5 @@ def speed_up(
             task = bar.add_task("one worker and two", total=len(planned))
             found = measure_speed_up(planned, progress=lambda: bar.advance(task))
         figures = asdict(found) | {"ratio": found.ratio, "ratio_free": found.ratio_free}
-        write_whole(out / "speed_up.json", json.dumps(figures, indent=1) + "\n")
+        write_json(out / "speed_up.json", figures)
     console().print(str(found), soft_wrap=True)
