@@ -14,7 +14,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.number_rows import read_head, read_number_rows
-from fricomp.recording.sources import is_text, read_columns
+from fricomp.recording.sources import is_text, read_columns, read_words
 from fricomp.recording.sources.can_frames import refuse_frames
 from fricomp.recording.sources.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
@@ -54,9 +54,12 @@ _SIGNAL_COLUMNS = (
     "key",
     "name",
     "tag",
+    "series",
 )
 _VALUE_COLUMNS = ("value", "_value", "values", "wert", "data")
 """Names of a table with one number a row, and a word beside it for what it is."""
+_UNITS = ("unit", "units")
+"""Names under which a unit stands beside its numbers."""
 _MOST_JOINTS = 64
 _LONGEST_LINE = 100_000
 """Characters of a first line that are looked at."""
@@ -90,7 +93,38 @@ def read_named_columns(path: Path, topic: str = "") -> dict[str, Samples]:
         columns = tabulate_topics(topics, _choose_topics(topics), path)
     else:
         columns = read_columns(path, Source(topic=topic), ())
-    return {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
+    words = {} if topics else read_words(path, Source(topic=topic))
+    named = {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
+    return separate_long_rows(_with_said_units(named, words), words)
+
+
+def _with_said_units(columns: dict[str, Samples], words: Mapping[str, list[str]]) -> dict[str, Samples]:
+    """The columns with the unit in brackets behind their name that is said beside them.
+
+    `{"angle": {"value": 12.3, "unit": "deg"}}`, `{"units": {"angle": "deg"}, "angle": [12.3]}`, `angle_unit`.
+
+    Args:
+        columns: By name.
+        words: What is said in words, by name.
+    """
+    said: dict[str, str] = {}
+    for name, cells in words.items():
+        path, _, last = name.rpartition(".")
+        units = set(cells) - {""}
+        if len(units) != 1:
+            continue
+        if last.lower() in _UNITS:
+            said[path] = units.pop()
+        elif path.rpartition(".")[2].lower() in _UNITS:
+            said[last] = units.pop()
+        elif last.lower().endswith(tuple(f"_{one}" for one in _UNITS)):
+            said[name.rpartition("_")[0]] = units.pop()
+    said.pop("", None)
+    owners = {name: name if name in said else name.rpartition(".")[0] for name in columns}
+    return {
+        f"{name} [{said[owner]}]" if owner in said and "[" not in name else name: columns[name]
+        for name, owner in owners.items()
+    }
 
 
 def choose_topics(path: Path) -> Source:
@@ -315,15 +349,16 @@ def separate_long_rows(columns: dict[str, Samples], words: Mapping[str, list[str
         words: What stands in the latter.
     """
     for name, cells in words.items():
+        said = name.rpartition(".")[2].lower()
         values = [one for one in columns if one.lower() in _VALUE_COLUMNS]
         signals = list(dict.fromkeys(cells))[: _MOST_JOINTS + 1]
-        if name.lower() in _SIGNAL_COLUMNS and len(values) == 1 and 1 < len(signals) <= _MOST_JOINTS:
+        if said in _SIGNAL_COLUMNS and len(values) == 1 and 1 < len(signals) <= _MOST_JOINTS:
             rows, (value,) = np.array(cells), values
             kept = {one: column for one, column in columns.items() if one not in (value, name)}
             return kept | {one: np.where(rows == one, columns[value], np.nan) for one in signals if one}
         joints = list(dict.fromkeys(cells))
         turns = sum(a != b for a, b in itertools.pairwise(cells))
-        if name.lower() in _JOINT_COLUMNS and 1 < len(joints) <= _MOST_JOINTS and turns > 0.1 * len(cells):
+        if said in _JOINT_COLUMNS and 1 < len(joints) <= _MOST_JOINTS and turns > 0.1 * len(cells):
             rows = np.array(cells)
             separate = {one: values for one, values in columns.items() if read_column_name(one) is not None}
             kept = {one: values for one, values in columns.items() if one not in separate and one != name}

@@ -16,6 +16,8 @@ _TURNS = re.compile(
 """Of moteus (its `servo_stats`) and of ODrive from firmware 0.5 on: positions in turns."""
 _TURNS_A_SECOND = re.compile(r"(^|[./])(servo_stats\.velocity|encoder\.vel_estimate|pos_vel_mapper\.vel)$")
 
+_DEGREES = re.compile(r"(^|[./])A[IS]Pos\.A\d$")
+"""Angles of the axes that a KUKA sends by its sensor interface."""
 
 _MOTEUS = frozenset({"MODE", "POSITION", "VELOCITY", "TORQUE", "FAULT"})
 """Registers of a moteus, as its Python library names them."""
@@ -36,6 +38,8 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Collection[str] 
         return meaning
     if meaning.channel == "position" and _TURNS.search(name):
         return replace(meaning, unit="turns", certainty=max(meaning.certainty, 0))
+    if meaning.channel == "position" and _DEGREES.search(name):
+        return replace(meaning, unit="deg")
     if meaning.channel == "velocity" and _TURNS_A_SECOND.search(name):
         return replace(meaning, unit="turns/s", certainty=max(meaning.certainty, 0))
     return meaning

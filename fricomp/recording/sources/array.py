@@ -3,6 +3,7 @@
 import math
 import struct
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
@@ -11,12 +12,12 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.sources.columns import Columns, columns_of_records, flatten_arrays, flatten_structures
+from fricomp.recording.sources.columns import Columns, flatten_arrays
+from fricomp.recording.sources.json_table import JsonTable, tabulate
 from fricomp.recording.sources.mat_file import read_variables
 from fricomp.untrusted import find_size_limit, parse_json
 
 _MAT_HEADER, _MAT_COMPRESSED, _MAT_STEP = 128, 15, 2**20  # of the format: header, kind of an element; a step
-_FEWEST_ROWS = 10  # a column of fewer numbers is a fact beside the rows, such as a gain a joint
 _DAMAGED = (ValueError, AttributeError, EOFError, zlib.error)  # what numpy raises on a broken file
 
 
@@ -45,7 +46,7 @@ def read_npz(path: Path, source: Source) -> Columns:
                 with packed.open(member) as stream:
                     _require_array(path, stream, member.file_size)
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return flatten_arrays({name: archive[name] for name in archive.files})
+            return flatten_arrays(_list_fields({name: archive[name] for name in archive.files}))
     except (*_DAMAGED, BadZipFile) as error:
         raise RecordingError(f"{path} is no numpy archive of numbers: {error}") from error
 
@@ -58,9 +59,16 @@ def read_npy(path: Path, source: Source) -> Columns:
         array = np.load(path, allow_pickle=False)
     except _DAMAGED as error:
         raise RecordingError(f"{path} is no numpy array of numbers: {error}") from error
-    if array.dtype.names:
-        return flatten_arrays({name: array[name] for name in array.dtype.names})
-    return flatten_arrays({"array": np.atleast_2d(array)})
+    return flatten_arrays(_list_fields({"": array} if array.dtype.names else {"array": np.atleast_2d(array)}))
+
+
+def _list_fields(arrays: Mapping[str, Any]) -> dict[str, Any]:
+    """Arrays by name, of structured ones each field as `name.field`."""
+    flat: dict[str, Any] = {}
+    for name, array in arrays.items():
+        fields = {f"{name}.{field}".lstrip("."): array[field] for field in array.dtype.names or ()}
+        flat |= _list_fields(fields) if fields else {name: array}
+    return flat
 
 
 def _require_array(path: Path, stream: IO[bytes], size: int) -> None:
@@ -100,7 +108,18 @@ def _measure_mat(path: Path) -> int:
 
 
 def read_json(path: Path, source: Source) -> Columns:
-    """Read JSON: a list of rows at `source.records`, or where the only one is; an object of lists; or a row a line."""
+    """Read JSON: rows at `source.records` or where the only ones are, an object of lists, names beside rows, series of
+    pairs of time and value; or a row a line.
+    """
+    return _read_json(path, source).columns
+
+
+def read_json_words(path: Path, source: Source) -> dict[str, list[str]]:
+    """What stands beside the numbers of `read_json` in words, by the name of the column."""
+    return _read_json(path, source).words
+
+
+def _read_json(path: Path, source: Source) -> JsonTable:
     content: Any
     try:
         content = _parse_lines(path) if path.suffix.lower() in (".jsonl", ".ndjson") else parse_json(path.read_bytes())
@@ -110,16 +129,10 @@ def read_json(path: Path, source: Source) -> Columns:
         raise RecordingError(f"{path} is no JSON: {error}") from error
     except (KeyError, TypeError) as error:
         raise RecordingError(f"{path} has no records at {source.records!r}") from error
-    if isinstance(content, list):
-        return columns_of_records(content)
-    if isinstance(content, dict):
-        flat = flatten_structures(content)
-        rows = [value for value in flat.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
-        columns = flatten_arrays(flat)
-        if len(rows) == 1 and all(column.size < _FEWEST_ROWS for column in columns.values()):
-            return columns_of_records(rows[0])
-        return columns
-    raise RecordingError(f"{path} holds neither rows nor columns at {source.records or 'its top level'!r}")
+    table = tabulate(content)
+    if table is None:
+        raise RecordingError(f"{path} holds neither rows nor columns at {source.records or 'its top level'!r}")
+    return table
 
 
 def _parse_lines(path: Path) -> list[Any]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column
+from fricomp.recording.sources.text_layout import parse_number
 
 Columns = dict[Column, NDArray[np.float64]]
 """By name, and by number from 1 where the source has an order; a name made of digits is still a name."""
@@ -16,9 +17,13 @@ Columns = dict[Column, NDArray[np.float64]]
 def find_column(columns: Columns, key: Column) -> NDArray[np.float64]:
     """Return a column by its name (text) or its number counted from 1 (an integer).
 
+    A unit in brackets behind the name is that which stands beside the column, and no part of its name there.
+
     Raises:
         RecordingError: There is no such column; the message lists some that are there.
     """
+    if key not in columns and isinstance(key, str) and key.partition(" [")[0] in columns:
+        key = key.partition(" [")[0]
     if key not in columns:
         shown = ", ".join(map(str, list(columns)[:20])) + (" …" if len(columns) > 20 else "")
         raise RecordingError(f"the source has no column {key!r}: it has {shown}")
@@ -80,9 +85,11 @@ def columns_of_records(records: Iterable[Any]) -> Columns:
 
 
 def _flatten_record(record: Any, prefix: str = "") -> dict[str, float]:
-    """Numbers of a nested record: keys joined by dots, list entries by their number."""
+    """Numbers of a nested record, and dates in seconds: keys joined by dots, list entries by their number."""
     if isinstance(record, bool | int | float):
         return {prefix: float(record)}
+    if isinstance(record, str):
+        return _read_word(record, prefix)
     if isinstance(record, Mapping):
         items = [(str(name), value) for name, value in record.items()]
     elif isinstance(record, list | tuple):
@@ -93,3 +100,11 @@ def _flatten_record(record: Any, prefix: str = "") -> dict[str, float]:
     for name, value in items:
         flat.update(_flatten_record(value, f"{prefix}.{name}" if prefix else name))
     return flat
+
+
+def _read_word(word: str, name: str) -> dict[str, float]:
+    """A number or a date that is written as a word; nothing of any other."""
+    try:
+        return {name: parse_number(word, ".")} if word[:1].isdigit() or word[:1] in ("-", "+", ".") else {}
+    except ValueError:
+        return {}

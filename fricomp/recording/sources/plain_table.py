@@ -9,7 +9,16 @@ from collections.abc import Sequence
 from fricomp.recording.unit_word import find_unit_words
 
 from .labelled_rows import tabulate_labelled
-from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, parse_number, read_measured, split_cells
+from .text_layout import (
+    FIRST_LINES,
+    TextLayout,
+    find_layout,
+    is_comment,
+    is_number,
+    parse_number,
+    read_measured,
+    split_cells,
+)
 
 __all__ = ["as_table"]
 
@@ -20,6 +29,15 @@ _ENTRY = re.compile(r"^(\s*)(?:- (?!\w+:\s)|(\w+):)\s*(.*)$")
 """A line of a printed message: an entry of a list, or a key with its value."""
 _METRIC = re.compile(r"^([A-Za-z_:][\w:]*)(\{.*\})?\s+([+-]?[\d.]+(?:[eE][+-]?\d+)?|NaN)\s+(\d+)$")
 """A sample of Prometheus' text format: name, labels, value and its time in milliseconds [prometheus]."""
+_ELEMENT = re.compile(
+    r"<([A-Za-z_][\w.:-]*)((?:\s+[\w.:-]+\s*=\s*\"[^\"<>]*\")*)\s*/?>(?:\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*<)?"
+)
+_ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*\"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*\"")
+"""An element of XML with its attributes and the number in it, and an attribute that is a number."""
+_FEWEST_ENTRIES = 3
+"""Numbers of a line of XML that are a row: time, position and torque."""
+_MOST_CHANNELS, _LONG_ROW, _LONG_LINE = 64, 200, 400
+"""Lines of a table with a channel each; marks and characters in every one of them: no table is so wide."""
 _JOINT_LABEL = re.compile(r'\b(?:joint|joint_name|motor|axis)="([^"]*)"')
 
 
@@ -27,13 +45,15 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     """The lines as they are, or those of a table with the same numbers.
 
     Rows that label each number, messages of ROS as they are printed, samples of Prometheus, lines behind the time at
-    which they arrived, and cells with their unit become plain rows below one line of names.
+    which they arrived, elements of XML, a channel a line, and cells with their unit become plain rows below one line of
+    names.
 
     Args:
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
     lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
+    lines = _tabulate_elements(lines) or _transpose(lines) or lines
     try:
         layout = find_layout(lines[:FIRST_LINES])
         if layout is not None and layout.names:
@@ -119,6 +139,43 @@ def _tabulate_arrived(lines: Sequence[str]) -> list[str] | None:
         for number, (stamp, rest) in enumerate(arrived)
         if number >= layout.names_line
     ]
+
+
+def _tabulate_elements(lines: Sequence[str]) -> list[str] | None:
+    """A row for each line of XML with several numbers in its attributes or elements; None where there are none.
+
+    `<Rob><AIPos A1="0.1" A2="0.2"/><IPOC>4208</IPOC></Rob>` has AIPos.A1, AIPos.A2 and IPOC.
+    """
+    first = [line for line in lines[:FIRST_LINES] if line.strip()]
+    if sum(len(_read_elements(line)) >= _FEWEST_ENTRIES for line in first) <= _MOSTLY * len(first):
+        return None
+    rows = [row for line in lines if len(row := _read_elements(line)) >= _FEWEST_ENTRIES]
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return [",".join(names), *(",".join(row.get(name, "") for name in names) for row in rows)]
+
+
+def _read_elements(line: str) -> dict[str, str]:
+    """The numbers in the elements of a line, by element and attribute."""
+    if "<" not in line:
+        return {}
+    found: dict[str, str] = {}
+    for tag, attributes, text in _ELEMENT.findall(line):
+        found |= {f"{tag}.{name}": value for name, value in _ATTRIBUTE.findall(attributes)}
+        found |= {tag: text} if text else {}
+    return found
+
+
+def _transpose(lines: Sequence[str]) -> list[str] | None:
+    """The columns of a table that has a channel a line, each with its name in front; None where it has not."""
+    channels = [line for line in lines if line.strip() and not is_comment(line)]
+    if not 1 < len(channels) <= _MOST_CHANNELS or min(map(len, channels)) < _LONG_LINE:
+        return None
+    mark = next((one for one in ("\t", ";", ",") if all(line.count(one) >= _LONG_ROW for line in channels)), "")
+    table = [split_cells(line, mark) for line in channels] if mark else []
+    has_names = all(row[0] and not is_number(row[0]) and is_number(row[1]) for row in table)
+    if not table or not has_names or len({len(row) for row in table}) > 1:
+        return None
+    return [_join(cells, mark) for cells in zip(*table, strict=True)]
 
 
 def _without_units(lines: Sequence[str], layout: TextLayout) -> list[str] | None:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from fricomp.errors import FricompError, RecordingError
 from fricomp.recording.mapping import Column, Format, Source
-from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
+from fricomp.recording.sources.array import read_binary, read_json, read_json_words, read_mat, read_npy, read_npz
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
-from fricomp.recording.sources.table import read_table
+from fricomp.recording.sources.table import read_table, read_table_words
 from fricomp.recording.sources.text import read_text
 
 _LONGEST_REASON = 300  # characters of a foreign error that are told
@@ -22,6 +22,10 @@ _READERS: dict[Format, Callable[[Path, Source], Columns]] = {
     "mcap": read_mcap,
     "rosbag2": read_rosbag,
     "parquet": read_table,
+}
+_WORDS: dict[Format, Callable[[Path, Source], dict[str, list[str]]]] = {
+    "json": read_json_words,
+    "parquet": read_table_words,
 }
 _SUFFIXES: dict[str, Format] = {
     ".csv": "text",
@@ -84,6 +88,21 @@ def read_columns(path: Path, source: Source, keys: Collection[Column], *, skip_b
         if kind == "text":
             return read_text(path, source, keys, skip_bad_rows=skip_bad_rows)
         return _READERS[kind](path, source)
+
+
+def read_words(path: Path, source: Source) -> dict[str, list[str]]:
+    """What the columns of a file hold that are of words, by name; of formats that hold none nothing.
+
+    Args:
+        path: File.
+        source: How to read it.
+
+    Raises:
+        RecordingError: The file is damaged.
+    """
+    kind = source.format or _guess_format(path)
+    with refuse_damage(path, kind):
+        return _WORDS[kind](path, source) if kind in _WORDS else {}
 
 
 @contextmanager

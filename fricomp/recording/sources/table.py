@@ -52,6 +52,23 @@ def read_table(path: Path, source: Source) -> Columns:
     return columns
 
 
+def read_table_words(path: Path, source: Source) -> dict[str, list[str]]:
+    """What the columns of words hold, by name.
+
+    Raises:
+        RecordingError: The file is no Parquet file.
+    """
+    from pyarrow import ArrowException, parquet, types
+
+    try:
+        table = _flatten(_read_arrow(path) if path.suffix.lower() in _ARROW else parquet.read_table(path))
+    except (ArrowException, UnicodeDecodeError) as error:
+        raise RecordingError(f"{path} is no table of Parquet or Arrow: {error}") from error
+    kinds = {field.name: getattr(field.type, "value_type", field.type) for field in table.schema}
+    named = [name for name, kind in kinds.items() if types.is_string(kind) or types.is_large_string(kind)]
+    return {name: [word or "" for word in table.column(name).to_pylist()] for name in named}
+
+
 def _read_arrow(path: Path) -> Any:
     """The table of a file of Arrow or Feather."""
     from pyarrow import feather

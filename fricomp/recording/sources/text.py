@@ -21,6 +21,15 @@ _SAMPLE = 2**20
 """Bytes by which an encoding is told."""
 _ENCODINGS = ("cp1252", "gb18030", "big5", "cp932", "cp949", "cp1251")
 """Those of Windows beside UTF-8: western, simplified and traditional Chinese, Japanese, Korean, Cyrillic."""
+_KINDS = {
+    b"PK\x03\x04": "a spreadsheet (.xlsx) or an archive (.zip, .npz)", b"\x89HDF": "HDF5 (.h5)",
+    b"\x80\x03": "a pickle (.pkl)", b"\x80\x04": "a pickle (.pkl)", b"\x80\x05": "a pickle (.pkl)",
+    b"\x1f\x8b": "a compressed file (.gz)", b"PAR1": "Parquet (.parquet)", b"ARROW1": "Arrow (.arrow)",
+    b"SQLite format 3": "a data base (.db)", b"\xd0\xcf\x11\xe0": "a spreadsheet (.xls)", b"MATLAB 5.0": "MAT (.mat)",
+    b"MATLAB 7.3": "MAT of version 7.3 (.mat)", b"\x93NUMPY": "NPY (.npy)", b"\x89MCAP": "MCAP (.mcap)",
+    b"TDSm": "a LabVIEW TDMS (.tdms)",
+}  # fmt: skip
+"""First bytes of formats that are called as texts at times."""
 _HEADING = 4000
 """Characters of a text in which its names are looked for."""
 _CELL = re.compile(r"[^,;\t|\r\n]+")
@@ -100,6 +109,11 @@ def find_encoding(path: Path) -> str:
     """
     with path.open("rb") as stream:
         start = stream.read(_SAMPLE)
+    kind = next((what for mark, what in _KINDS.items() if start.startswith(mark)), "")
+    if kind:
+        raise RecordingError(
+            f"{path} is called {path.suffix} and begins as {kind} does: give it its own suffix, or save it as CSV"
+        )
     for mark, encoding in _MARKED.items():
         if start.startswith(mark):
             return encoding

@@ -15,7 +15,8 @@ from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import read_unit
 
 __all__ = [
-    "FIRST_LINES", "TextLayout", "find_layout", "is_comment", "parse_number", "read_measured", "split_cells",
+    "FIRST_LINES", "TextLayout", "find_layout", "is_comment", "is_number", "parse_number", "read_measured",
+    "split_cells",
 ]  # fmt: skip
 
 FIRST_LINES = 200
@@ -87,6 +88,7 @@ class TextLayout:
         names_line: Lines before that of the names; that of the first row where there is none.
         rows_line: Lines before the first row.
         in_comment: Whether the names stand in a comment.
+        is_joined: Whether they are of several lines.
     """
 
     delimiter: str
@@ -95,11 +97,13 @@ class TextLayout:
     names_line: int
     rows_line: int
     in_comment: bool = False
+    is_joined: bool = False
 
     @property
     def is_plain(self) -> bool:
         """Whether the names stand in the line above the rows, as they are."""
-        return bool(self.names) and self.rows_line == self.names_line + 1 and not self.in_comment
+        is_above = self.rows_line == self.names_line + 1
+        return bool(self.names) and is_above and not self.in_comment and not self.is_joined
 
 
 class _Heading(NamedTuple):
@@ -171,21 +175,28 @@ def _goes_on(below: Sequence[str], mark: str, first: Sequence[str]) -> bool:
 
     Lines of a header hold numbers too; below them come words in the same places.
     """
-    lines = [one for one in itertools.islice(below, _LOOKED_AT) if one.strip() and not is_comment(one)][:_AFTER]
+    lines = [one for one in itertools.islice(below, _LOOKED_AT) if one.strip() and not is_comment(one)]
     if not lines or lines[0] is below[-1]:
         return True
-    rows = [split_cells(line, mark) for line in lines if line is not below[-1]]
-    places = [k for k, cell in enumerate(first) if _is_number(cell)]
+    rows = [split_cells(line, mark) for line in lines[:_AFTER] if line is not below[-1]]
+    places = [k for k, cell in enumerate(first) if is_number(cell)]
     words = any(k < len(row) and row[k] and not _is_value(row[k], first[k]) for row in rows for k in places)
-    return _fits(rows[0], len(first)) and not words
+    return _fits(rows[0], len(first)) and not words and not _is_fact(first, split_cells(lines[-1], mark))
+
+
+def _is_fact(cells: Sequence[str], row: Sequence[str]) -> bool:
+    """Whether a line says one thing of each column, called by its first cell: `SampleTime [ms];2;2`, above numbers."""
+    word = cells[0].strip() if cells else ""
+    return bool(word) and word.lower() not in _NO_VALUE and not is_number(word) and bool(row) and _is_entry(row[0])
 
 
 def _is_value(cell: str, like: str) -> bool:
     """Whether a cell is a number as that above it: with a unit behind it where that has one."""
-    return cell.lower() in _NO_VALUE or (_is_number(cell) and bool(read_measured(cell)) == bool(read_measured(like)))
+    return cell.lower() in _NO_VALUE or (is_number(cell) and bool(read_measured(cell)) == bool(read_measured(like)))
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, a date or a list of numbers, with or without a unit behind it."""
     return _is_entry(cell) or read_measured(cell) is not None
 
 
@@ -211,7 +222,7 @@ def _find_mark(line: str) -> str | None:
         if mark and mark not in line:
             continue
         cells = [cell for cell in split_cells(line, mark) if cell]
-        numbers = sum(map(_is_number, cells))
+        numbers = sum(map(is_number, cells))
         if len(cells) < _FEWEST_CELLS or numbers < _FEWEST_CELLS or numbers < _LEAST_NUMBERS * len(cells):
             continue
         if best is None or numbers / len(cells) > best[0]:
@@ -226,16 +237,18 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     if pairs:
         return TextLayout(mark, decimal, pairs, row, row, in_comment=True)
     headings: list[_Heading] = []
-    first = row
+    first, cells = row, split_cells(lines[row], mark)
     for line in _list_above(lines[:row], mark, width):
         if not any(map(_is_entry, line.cells)):
             headings.append(line)
+        elif _is_fact(line.cells, cells):
+            continue
         elif headings:
             break
         else:
             first = line.number
     bare = TextLayout(mark, decimal, (), first, first)
-    return _choose_names(headings[:_MOST_HEADINGS], bare) if headings else bare
+    return _choose_names(headings[:_MOST_HEADINGS], bare, labelled=_is_entry(cells[0])) if headings else bare
 
 
 def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
@@ -250,7 +263,7 @@ def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Headin
             yield found
 
 
-def _choose_names(headings: Sequence[_Heading], layout: TextLayout) -> TextLayout:
+def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled: bool) -> TextLayout:
     """The layout with its names: the line with the most words for a quantity, of several the one nearest to the rows.
 
     Lines of units, of remarks and of numbers of channels stand above and below it. A comment has the names only where
@@ -259,15 +272,49 @@ def _choose_names(headings: Sequence[_Heading], layout: TextLayout) -> TextLayou
     Args:
         headings: Lines above the rows, the nearest first.
         layout: Without names.
+        labelled: Whether a word such as `Name` in the first place is that of the line, since numbers stand below it.
     """
     units = next((one for one in headings if any(one.cells) and all(map(_is_unit, one.cells))), None)
     others = [one for one in headings if one is not units] or headings[:1]
     known = {one.number: count_known(one.cells) for one in others}
     line = max(others, key=lambda one: (not one.is_comment and known[one.number] > 0, known[one.number]))
     said = units.cells if units is not None and units is not line else []
-    pairs = itertools.zip_longest(line.cells, said[: len(line.cells)], fillvalue="")
+    cells = _join_levels(line, [one for one in others if one is not line and not one.is_comment])
+    if labelled and cells[0].lower() in _NAMES_OF_PAIRS:
+        cells, said = ["time", *cells[1:]], ["", *said[1:]]
+    pairs = itertools.zip_longest(cells, said[: len(cells)], fillvalue="")
     names = tuple(_with_unit(name, unit) for name, unit in pairs)
-    return replace(layout, names=names, names_line=line.number, in_comment=line.is_comment)
+    is_changed = cells != line.cells
+    return replace(layout, names=names, names_line=line.number, in_comment=line.is_comment, is_joined=is_changed)
+
+
+def _join_levels(line: _Heading, others: Sequence[_Heading]) -> list[str]:
+    """The names of columns whose words stand in two lines, as data frames and joined cells of sheets have them.
+
+    Names that come more than once get the words of a line that tells them apart before them; what stands in front of a
+    blank cell is meant there too. The first column, which such a line leaves blank or calls after itself, has the name
+    that stands alone below it or that another line gives it.
+    """
+    said = [name for name in line.cells if name]
+    joined = line.cells
+    for other in others if len(set(said)) < len(said) else ():
+        above = _fill_blanks(other.cells)
+        both = [f"{a}/{b}" if a and b else b for a, b in zip(above, line.cells, strict=False)]
+        if len(both) == len(line.cells) and len({name for name in both if name}) == len(said):
+            joined = ["", *both[1:]] if count_known(both[:1]) == 0 else both
+            break
+    if joined[:1] != [""]:
+        return joined
+    firsts = [one.cells[0] for one in others if one.cells[:1] != [""] and count_known(one.cells[:1])]
+    return [*firsts[:1], *joined[1:]] if firsts else joined
+
+
+def _fill_blanks(cells: Sequence[str]) -> list[str]:
+    """The cells with what stands in front of a blank one in it."""
+    filled: list[str] = []
+    for cell in cells:
+        filled.append(cell or (filled[-1] if filled else ""))
+    return filled
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:

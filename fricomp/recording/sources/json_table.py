@@ -1,0 +1,174 @@
+"""Tables in JSON: rows or columns under names, names beside bare rows, one series a channel, and the words in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fricomp.recording.sources.columns import Columns, columns_of_records, flatten_arrays, flatten_structures
+from fricomp.recording.sources.text import number_or_nan
+from fricomp.recording.validity import Samples
+
+__all__ = ["JsonTable", "tabulate"]
+
+_FEWEST_ROWS = 10
+"""Numbers of a column; fewer are a fact beside the rows, such as a gain a joint."""
+_LEVELS = 6
+"""Levels of nesting in which a table is looked for."""
+_NAMES_OF_SERIES = ("__name__", "name", "target", "metric", "field", "measurement", "label", "refId")
+_JOINTS_OF_SERIES = ("joint", "joint_name", "motor", "axis")
+_PAIRS = ("values", "datapoints", "points", "data")
+"""What series are called, whose they are, and where their pairs of time and value stand."""
+
+
+class JsonTable(NamedTuple):
+    """What a document of JSON holds.
+
+    Attributes:
+        columns: Of numbers.
+        words: Of words, by the names that their numbers would have; one where it is said once.
+    """
+
+    columns: Columns
+    words: dict[str, list[str]]
+
+
+def tabulate(content: Any) -> JsonTable | None:
+    """The table of a document; None where it holds neither rows nor columns.
+
+    Args:
+        content: As it was parsed.
+    """
+    if isinstance(content, list) and not _are_series(content):
+        return JsonTable(columns_of_records(content), _list_words(content))
+    if not isinstance(content, dict | list):
+        return None
+    found = _find_series(content) or _find_named_rows(content)
+    if found is not None or isinstance(content, list):
+        return found
+    flat = {name: _read_dates(value) for name, value in flatten_structures(content).items()}
+    rows = [value for value in flat.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
+    columns = flatten_arrays(flat)
+    if len(rows) == 1 and all(column.size < _FEWEST_ROWS for column in columns.values()):
+        return JsonTable(columns_of_records(rows[0]), _list_words(rows[0]))
+    return JsonTable(columns, {name: [value] for name, value in flat.items() if isinstance(value, str)})
+
+
+def _read_dates(value: Any) -> Any:
+    """A list of dates, or of numbers in quotes, as numbers; anything else as it is."""
+    is_said = isinstance(value, list) and bool(value) and all(isinstance(one, str) for one in value)
+    numbers = np.array([_to_number(one) for one in value]) if is_said else np.empty(0)
+    return numbers if np.isfinite(numbers).any() else value
+
+
+def _list_words(records: Sequence[Any]) -> dict[str, list[str]]:
+    """The words of each row under their path; of rows that are lists none."""
+    rows = [dict(_walk_words(record)) for record in records if isinstance(record, Mapping)]
+    return {name: [row.get(name, "") for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+
+
+def _walk_words(record: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    for name, value in record.items():
+        if isinstance(value, str):
+            yield f"{prefix}{name}", value
+        elif isinstance(value, Mapping):
+            yield from _walk_words(value, f"{prefix}{name}.")
+
+
+def _walk(content: Any, level: int = 0) -> Iterator[Any]:
+    """A document and all objects and lists of objects in it, down to some depth."""
+    yield content
+    if level < _LEVELS and isinstance(content, dict):
+        for value in content.values():
+            yield from _walk(value, level + 1)
+    elif level < _LEVELS and isinstance(content, list) and content and isinstance(content[0], dict):
+        for value in content[:_FEWEST_ROWS]:
+            yield from _walk(value, level + 1)
+
+
+def _find_named_rows(content: Any) -> JsonTable | None:
+    """The only table whose names stand in a list beside its rows or its columns."""
+    tables = [table for one in _walk(content) if isinstance(one, dict) and (table := _read_named_rows(one))]
+    return tables[0] if len(tables) == 1 else None
+
+
+def _read_named_rows(one: dict[str, Any]) -> JsonTable | None:
+    inside = [value for sub in one.values() if isinstance(sub, dict) for value in sub.values()]
+    lists = [value for value in (*one.values(), *inside) if isinstance(value, list) and len(value) > 1]
+    names = next((found for value in lists if (found := _read_names(value))), [])
+    for rows in lists if names else ():
+        if not all(isinstance(row, list) for row in rows):
+            continue
+        if len(rows) >= _FEWEST_ROWS and all(len(row) == len(names) for row in rows):
+            return _make_table(dict(zip(names, zip(*rows, strict=True), strict=True)))
+        if len(rows) == len(names) and min(map(len, rows)) >= _FEWEST_ROWS and len(set(map(len, rows))) == 1:
+            return _make_table(dict(zip(names, rows, strict=True)))
+    return None
+
+
+def _read_names(values: list[Any]) -> list[str]:
+    """The names that a list consists of, as words or as objects with a name; empty where it is no such list."""
+    said = [one.get("name") if isinstance(one, dict) else one for one in values]
+    names = [name for name in said if isinstance(name, str)]
+    return names if len(names) == len(said) == len(set(names)) else []
+
+
+def _make_table(cells: Mapping[str, Sequence[Any]]) -> JsonTable:
+    columns: Columns = {name: np.array([_to_number(one) for one in own]) for name, own in cells.items()}
+    words = {
+        name: [one if isinstance(one, str) else "" for one in own]
+        for name, own in cells.items()
+        if not np.isfinite(columns[name]).any()
+    }
+    return JsonTable(columns, words)
+
+
+def _to_number(value: Any) -> float:
+    if isinstance(value, bool | int | float):
+        return float(value)
+    return number_or_nan((value,), 0, ".") if isinstance(value, str) else float("nan")
+
+
+def _find_series(content: Any) -> JsonTable | None:
+    """The first list of several series in a document as one table, each in rows of its own."""
+    series = next((one for one in _walk(content) if _are_series(one)), None)
+    if series is None:
+        return None
+    times, parts = [], []
+    for number, one in enumerate(series, start=1):
+        pairs: Samples = np.array([[_to_number(value) for value in pair] for pair in _get_pairs(one)])
+        when = int(np.argmax(np.nanmean(np.diff(pairs, axis=0) > 0.0, axis=0)))
+        times.append(pairs[:, when])
+        parts.append((_name_series(one) or f"series_{number}", pairs[:, 1 - when]))
+    starts = np.cumsum([0, *(time.size for time in times)])
+    columns: Columns = {"time": np.concatenate(times)}
+    for (name, values), start in zip(parts, starts[:-1], strict=True):
+        column = np.full(starts[-1], np.nan)
+        column[start : start + values.size] = values
+        columns[name] = column
+    return JsonTable(columns, {})
+
+
+def _are_series(content: Any) -> bool:
+    """Whether a list has two and more objects with pairs of time and value."""
+    some = isinstance(content, list) and 1 < len(content) <= 10 * _FEWEST_ROWS
+    return some and all(isinstance(one, dict) and bool(_get_pairs(one)) for one in content)
+
+
+def _get_pairs(series: dict[str, Any]) -> list[Any]:
+    pairs: list[Any] = next((series[name] for name in _PAIRS if isinstance(series.get(name), list)), [])
+    is_long = len(pairs) >= _FEWEST_ROWS
+    return pairs if is_long and all(isinstance(pair, list) and len(pair) == 2 for pair in pairs) else []
+
+
+def _name_series(series: dict[str, Any]) -> str:
+    """What a series is called, with its joint before it where that is said."""
+    facts = [series, *(value for value in series.values() if isinstance(value, dict))]
+    return "/".join(filter(None, (_find_word(facts, keys) for keys in (_JOINTS_OF_SERIES, _NAMES_OF_SERIES))))
+
+
+def _find_word(facts: Sequence[dict[str, Any]], keys: Sequence[str]) -> str:
+    """The first word that stands under one of these keys; empty where none does."""
+    return next((one[key] for one in facts for key in keys if isinstance(one.get(key), str)), "")

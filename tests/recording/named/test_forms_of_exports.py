@@ -1,0 +1,212 @@
+"""Forms in which programs export a log: names in two lines, channels in lines, JSON with names beside numbers."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.errors import RecordingError
+from fricomp.recording.file import read_content
+from fricomp.recording.named.log import read_named_log
+
+from .proposed_mapping import convert_by_proposal
+
+N_ROWS, RATE = 600, 250.0
+TIME = np.arange(N_ROWS) / RATE
+POSITION = 0.9 * np.sin(3.1 * TIME) + 0.15 * np.cos(8.0 * TIME)
+TORQUE = 1.9 * np.sign(np.cos(3.1 * TIME)) + 0.4 * POSITION
+DEGREES = np.rad2deg(POSITION)
+Write = Callable[[Path], Path]
+
+
+def write(path: Path, lines: Sequence[str]) -> Path:
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def fill(form: str) -> list[str]:
+    rows = zip(TIME, POSITION, DEGREES, TORQUE, strict=True)
+    return [form.format(t=t, ms=1e3 * t, q=q, deg=deg, u=u) for t, q, deg, u in rows]
+
+
+def list_rows(position: np.ndarray[tuple[int], np.dtype[np.float64]] = DEGREES) -> list[list[float]]:
+    return [list(row) for row in zip(TIME, position, TORQUE, strict=True)]
+
+
+def write_facts_in_lines(folder: Path) -> Path:
+    above = ["Name;Project 1", "", "Name;Axes.A1.ActPos;MAIN.fTorque", "NetID;5.62.1.1;5.62.1.1", "Port;501;851"]
+    above += ["SampleTime [ms];4;4", "Data-Type;REAL64;REAL64", "Unit;deg;Nm", ""]
+    return write(folder / "scope.csv", above + fill("{ms:.3f};{deg:.9f};{u:.9f}"))
+
+
+def write_facts_down_to_the_rows(folder: Path) -> Path:
+    above = ["Signal\tArm.Angle [rad]\tArm.Torque [Nm]", "Gain\t1\t1", "Offset\t0\t0"]
+    return write(folder / "scope.txt", above + fill("{t:.6f}\t{q:.9f}\t{u:.9f}"))
+
+
+def write_simulink(folder: Path) -> Path:
+    return write(folder / "out.csv", ["tout,q_out,tau_out", *fill("{t:.6f},{q:.9f},{u:.9f}")])
+
+
+def write_series_in_rows(folder: Path) -> Path:
+    rows = [
+        f'"{name}";{row}' for name, form in (("q", "{t:.6f};{q:.9f}"), ("tau", "{t:.6f};{u:.9f}")) for row in fill(form)
+    ]
+    return write(folder / "panel.csv", ['"Series";"Time";"Value"', *rows])
+
+
+def write_channels_in_lines(folder: Path) -> Path:
+    rows = zip(("Time (s)", "Angle (deg)", "Torque (Nm)"), (TIME, DEGREES, TORQUE), strict=True)
+    return write(folder / "sheet.txt", ["\t".join([name, *(f"{x:.9f}" for x in values)]) for name, values in rows])
+
+
+def write_elements(folder: Path) -> Path:
+    rows = fill('<Rob T="1"><AIPos A1="{deg:.9f}"/><Trq A1="{u:.9f}"/><IPOC>{ms:.0f}</IPOC></Rob>')
+    return write(folder / "rsi.xml", ["<Log>", *rows, "</Log>"])
+
+
+def write_fields_in_archive(folder: Path) -> Path:
+    log = np.zeros(N_ROWS, dtype=[("t_us", "i8"), ("state", [("pos_deg", "f8")]), ("tau", "f8")])
+    log["t_us"], log["state"]["pos_deg"], log["tau"] = np.round(1e6 * TIME), DEGREES, TORQUE
+    np.savez(folder / "log.npz", run=log, remark=np.array(["rig 3"]))
+    return folder / "log.npz"
+
+
+def write_json(folder: Path, content: object) -> Path:
+    (folder / "log.json").write_text(json.dumps(content))
+    return folder / "log.json"
+
+
+def write_names_beside_rows(folder: Path) -> Path:
+    content = {"columns": ["time_s", "angle_deg", "torque_Nm"], "index": list(range(N_ROWS)), "data": list_rows()}
+    return write_json(folder, content)
+
+
+def write_names_beside_columns(folder: Path) -> Path:
+    fields = [{"name": "time"}, {"name": "position"}, {"name": "torque"}]
+    columns = [TIME.tolist(), POSITION.tolist(), TORQUE.tolist()]
+    return write_json(folder, {"results": [{"schema": {"fields": fields}, "data": {"values": columns}}]})
+
+
+def write_series_of_pairs(folder: Path) -> Path:
+    series = [
+        {
+            "metric": {"__name__": name, "joint": "elbow"},
+            "values": [[1.7e9 + t, f"{x:.9f}"] for t, x in zip(TIME, values, strict=True)],
+        }
+        for name, values in (("joint_position_radians", POSITION), ("joint_torque_newton_meters", TORQUE))
+    ]
+    return write_json(folder, {"status": "success", "data": {"resultType": "matrix", "result": series}})
+
+
+def write_value_before_time(folder: Path) -> Path:
+    series = [
+        {"target": name, "datapoints": [[x, 1.7e12 + 1e3 * t] for t, x in zip(TIME, values, strict=True)]}
+        for name, values in (("angle_deg", DEGREES), ("torque_Nm", TORQUE))
+    ]
+    return write_json(folder, series)
+
+
+def write_units_beside_values(folder: Path) -> Path:
+    rows = [
+        {
+            "ts": f"2025-06-17T14:03:{t:09.6f}Z",
+            "m": {"angle": {"value": q, "unit": "deg"}, "torque": {"value": u, "unit": "Nm"}},
+        }
+        for t, q, u in list_rows()
+    ]
+    return write(folder / "log.jsonl", [json.dumps(row) for row in rows])
+
+
+def write_units_in_an_object(folder: Path) -> Path:
+    content = {"units": {"angle": "deg", "torque": "Nm"}, "time": TIME.tolist(), "angle": DEGREES.tolist()}
+    return write_json(folder, {**content, "torque": TORQUE.tolist()})
+
+
+def write_units_in_a_table(folder: Path) -> Path:
+    import pyarrow
+    from pyarrow import parquet
+
+    units = {"angle_unit": ["deg"] * N_ROWS, "torque_unit": ["Nm"] * N_ROWS}
+    parquet.write_table(
+        pyarrow.table({"time": TIME, "angle": DEGREES, "torque": TORQUE, **units}), folder / "log.parquet"
+    )
+    return folder / "log.parquet"
+
+
+FORMS: list[Write] = [
+    *(write_facts_in_lines, write_facts_down_to_the_rows, write_simulink, write_series_in_rows, write_elements),
+    *(write_channels_in_lines, write_fields_in_archive, write_names_beside_rows, write_names_beside_columns),
+    *(write_series_of_pairs, write_value_before_time, write_units_beside_values, write_units_in_an_object),
+    write_units_in_a_table,
+]
+IN_SERIES = (write_series_in_rows, write_series_of_pairs, write_value_before_time)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_it_is_read_as_it_was_measured(form: Write, tmp_path: Path) -> None:
+    recording = read_content(form(tmp_path)).recording
+    assert recording.time - recording.time[0] == pytest.approx(TIME, abs=1e-5)
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
+    assert recording.torque == pytest.approx(TORQUE, abs=1e-6)
+
+
+@pytest.mark.parametrize("form", [one for one in FORMS if one not in IN_SERIES])
+def test_its_mapping_reads_the_same(form: Write, tmp_path: Path) -> None:
+    recording = convert_by_proposal(form(tmp_path), tmp_path)
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
+    assert recording.torque == pytest.approx(TORQUE, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        ["joint,a,a,b,b", "channel,position,torque,position,torque", "time,,,,"],
+        [",a,a,b,b", ",position,torque,position,torque"],
+        ["Time (s),a,,b,", ",Angle (rad),Torque (Nm),Angle (rad),Torque (Nm)"],
+        ["Time (s);a;;b;", "Test 3;Encoder 4;Sensor;Encoder 5;Sensor", ";rad;Nm;rad;Nm", ";pos;torque;pos;torque"],
+    ],
+)
+def test_names_in_two_lines_are_those_of_two_joints(above: list[str], tmp_path: Path) -> None:
+    mark = ";" if ";" in above[0] else ","
+    path = write(tmp_path / "log.csv", above + fill(mark.join(["{t:.6f}", "0.3", "0.1", "{q:.9f}", "{u:.9f}"])))
+    other, moved = read_named_log(path).recordings
+    assert (other.metadata.joint, moved.metadata.joint) == ("a", "b")
+    assert moved.position == pytest.approx(POSITION, abs=1e-6)
+    assert moved.time == pytest.approx(TIME, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["jsonl", "parquet"])
+def test_rows_of_joints_in_turns_are_those_of_each_joint(kind: str, tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    rows = [
+        {"time": t, "joint": joint, "position": q if joint == "a" else 0.7, "torque": u}
+        for t, q, u in list_rows(POSITION)
+        for joint in ("a", "b")
+    ]
+    path = tmp_path / f"log.{kind}"
+    if kind == "jsonl":
+        write(path, [json.dumps(row) for row in rows])
+    else:
+        parquet.write_table(pyarrow.Table.from_pylist(rows), path)
+    moved, held = read_named_log(path).recordings
+    assert (moved.metadata.joint, held.metadata.joint) == ("a", "b")
+    assert moved.position == pytest.approx(POSITION)
+    assert held.position == pytest.approx(np.full(N_ROWS, 0.7))
+
+
+@pytest.mark.parametrize(
+    ("start", "what"),
+    [(pickle.dumps({"q": 1.0}), "a pickle"), (b"PK\x03\x04" + bytes(99), "a spreadsheet"), (b"\x89HDF\r\n", "HDF5")],
+)
+def test_another_format_that_is_called_csv_is_told(start: bytes, what: str, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_bytes(start)
+    with pytest.raises(RecordingError, match=f"is called .csv and begins as {what}"):
+        read_content(tmp_path / "log.csv")
