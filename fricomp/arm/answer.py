@@ -13,7 +13,11 @@ from .confirmation import ConfirmedData, HeldOutErrors, without_term
 from .coordinates import ArmModel
 from .fit import ArmFit
 from .friction import TERMS, JointForm
+from .glance import Glance
 from .identification import ArmIdentification, fit_robustly
+from .own_delay import find_own_delay
+from .search.early_torque import EarlyTorques
+from .shared_delay import is_before_most
 from .uncertainty.scatter import widen_covariance
 
 __all__ = ["LEAST_FALL", "RECURRENCE", "ArmAnswer", "TermEvidence", "confirm_terms"]
@@ -59,11 +63,14 @@ class ArmAnswer:
         identification: With the model that was confirmed.
         evidence: Of each joint's terms that are effects, by number of the joint and name.
         errors: On data that took no part.
+        own_delays: By how much later than all the torque of each joint is, and the standard deviation [s]; none where
+            the model has no such term.
     """
 
     identification: ArmIdentification
     evidence: dict[tuple[int, str], TermEvidence]
     errors: HeldOutErrors
+    own_delays: tuple[tuple[float, float], ...]
 
     def is_named(self, joint: int, term: str) -> bool:
         """Whether a term of a joint is physics that matters.
@@ -76,7 +83,16 @@ class ArmAnswer:
             return False
         fit, matters = self.identification.fit, self.evidence[joint, term].fall >= LEAST_FALL
         sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
-        return matters and sized and _is_whole(fit, joint, term)
+        return matters and sized and _is_whole(fit, joint, term) and self._is_timed(joint, term)
+
+    def _is_timed(self, joint: int, term: str) -> bool:
+        """Whether a torque that is earlier than those of the other joints shows it in the whole model, too."""
+        found = self.identification
+        if term != "torque_delay" or found.fit.friction(joint)[TERMS[term].names(0)[0]] > 0.0:
+            return True
+        glance = Glance(found.equations, found.fit, found.prior)
+        early = EarlyTorques(found.rows, found.equations, found.fit)
+        return is_before_most(glance, found.fit, joint) and early.holds(joint)
 
     def list_named(self, joint: int) -> tuple[str, ...]:
         """Terms of a joint that are named, in the order in which they were taken in."""
@@ -150,7 +166,8 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, named=heads[key])}
         if not weak:
             fit = widen_covariance(fit, equations, rows)
-            return ArmAnswer(replace(found, fit=fit, equations=equations), evidence, errors)
+            final = replace(found, fit=fit, equations=equations)
+            return ArmAnswer(final, evidence, errors, tuple(find_own_delay(final, j) for j in range(len(arm.joints))))
         weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
         fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior, settled=True)
 

@@ -11,7 +11,7 @@ from fricomp.overview import AT_BOUND
 
 from .record import ArmRecord, JointEffect, JointRecord, LinkRecord
 
-__all__ = ["say_doubts", "say_shared_causes", "say_tilt", "write_summary"]
+__all__ = ["say_doubts", "say_shared_causes", "say_tilt", "say_what", "write_summary"]
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
@@ -30,6 +30,9 @@ _CAUSES = {
 """What effects have in common where several joints show them."""
 
 
+_LATER = "the recorded torque is later than those of the other joints"
+_EARLIER = "the recorded torque is earlier than those of the other joints, as a command is that acts after its stamp"
+
 _REPEAT = "To do: record again, all joints moving at once by their own drives; until then keep the simulation."
 
 
@@ -45,8 +48,8 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     doubts = say_doubts(record.joints)
     to_do = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
     lines = [opening, *(one for one in doubts if one != opening), to_do, *say_shared_causes(record.joints)]
-    names = dict.fromkeys(effect.name for _, effect in named)
-    lines += [_say_effect([one for one in named if one[1].name == name]) for name in names]
+    kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
+    lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
     unknown = [link.name for link in record.links if link.state == "not_determined"]
@@ -101,6 +104,13 @@ def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def say_what(effect: JointEffect) -> str:
+    """What an effect is; a delay is that of one joint beside the others."""
+    if effect.name != "torque_delay":
+        return EFFECTS[effect.name].says
+    return _LATER if effect.parameters["delay"].value > 0.0 else _EARLIER
+
+
 def say_tilt(tilt: Mapping[str, Quantity]) -> str:
     """How far gravity leans over along each level axis, in mrad."""
     parts = (
@@ -121,7 +131,7 @@ def _say_effect(shown: list[tuple[str, JointEffect]]) -> str:
     """One effect, with its numbers in each joint that shows it."""
     first = shown[0][1]
     joints = "; ".join(f"{joint} {_list_numbers(effect)}" for joint, effect in shown)
-    return f"{first.name}: {EFFECTS[first.name].says} [{first.equation}]; {joints}."
+    return f"{first.name}: {say_what(first)} [{first.equation}]; {joints}."
 
 
 def _list_numbers(effect: JointEffect) -> str:

@@ -13,7 +13,7 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import say_doubts, say_shared_causes, say_tilt, write_summary
+from .brief import say_doubts, say_shared_causes, say_tilt, say_what, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
@@ -160,6 +160,8 @@ def _describe_effect(
         width = float(found.equations.gaps[joint, 0])
         around = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
         parameters = {"gap": Quantity(width, position, around)}
+    if TERMS[term].filled == "delay":
+        parameters = {"delay": _quantity(*answer.own_delays[joint], "s")}
     if TERMS[term].filled == "ripple":
         order = float(found.equations.ripple[joint])
         reach = float(np.ptp(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
@@ -277,7 +279,7 @@ def _say_effect(effect: JointEffect) -> str:
     names = (*effect.indistinguishable_from, *(f"{link} weighing something else" for link in effect.links_instead))
     alike = f", or {' or '.join(names)}" if names else ""
     return (
-        f"{effect.name}{alike}: {EFFECTS[effect.name].says} [{effect.equation}]; {numbers}; it lowers the error by "
+        f"{effect.name}{alike}: {say_what(effect)} [{effect.equation}]; {numbers}; it lowers the error by "
         f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording"
     )
 
@@ -313,8 +315,10 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
     low, high = record.delay.ci95
     if record.delay.value and (low > 0.0 or high < 0.0):
         way = "late behind" if record.delay.value > 0.0 else "ahead of"
+        own = [joint.name for joint in record.joints if any(one.name == "torque_delay" for one in joint.effects)]
+        whose = f"The torques of all joints but {', '.join(own)}" if own else "All torques"
         lines.append(
-            f"All torques are {1e3 * abs(record.delay.value):.3g} ms {way} the positions "
+            f"{whose} are {1e3 * abs(record.delay.value):.3g} ms {way} the positions "
             f"({1e3 * low:.3g} to {1e3 * high:.3g} ms); this was taken off."
         )
     if record.tilt is not None:

@@ -49,6 +49,7 @@ class ArmModel:
         opened: Links that may be far off.
         tilted: Whether gravity may lean over, as it does where the base of the arm is not level.
         gain: Whether all torques may have a common gain.
+        prompt: Whether the time by which all torques are late is held where the rows have it.
         rotorless: Joints without a rotor's inertia: their torques, such as those of a sensor behind the gear, asked for
             less than none.
         pinned: Numbers of joints and names of friction parameters that are held at zero, since a joint would feed
@@ -59,6 +60,7 @@ class ArmModel:
     opened: frozenset[int] = frozenset()
     tilted: bool = False
     gain: bool = False
+    prompt: bool = False
     rotorless: frozenset[int] = frozenset()
     pinned: frozenset[tuple[int, str]] = frozenset()
 
@@ -203,6 +205,8 @@ class Coordinates:
         for form, place, before, there in zip(self.model.forms, self.places, model.forms, other.places, strict=True):
             known = dict(zip(before.columns, x[there].tolist(), strict=True))
             result[place] = [known.get(name, 0.0) for name in form.columns]
+        if self.model.prompt:
+            result[-2] = 0.0
         return result
 
     def place_prior(self, sizes: PriorSizes, prior: ArmPrior) -> tuple[FloatArray, FloatArray]:
@@ -226,7 +230,8 @@ class Coordinates:
                 held = [(j, name) in self.model.pinned for name in self.model.forms[j].columns]
                 deviation[place] *= np.where(held, _HELD_PART, 1.0)
         deviation[-N_LAST:-2] = prior.tilt if self.model.tilted else _HELD
-        deviation[-2], deviation[-1] = prior.delay, prior.gain if self.model.gain else _HELD
+        deviation[-2] = _HELD if self.model.prompt else prior.delay
+        deviation[-1] = prior.gain if self.model.gain else _HELD
         return mean, deviation
 
 

@@ -95,6 +95,7 @@ class JointTerm:
         reaches_others: Whether the other joints feel it, by the same parameters: links that move otherwise than their
             motor pull at all of them.
         whole: Whether its law has no factor: its one parameter is the share of it that is there, and should be one.
+        angular: Whether it is of a joint that turns alone: its variants are angles, or waves a turn.
     """
 
     name: str
@@ -107,6 +108,7 @@ class JointTerm:
     replaces: tuple[str, ...] = ()
     reaches_others: bool = False
     whole: bool = False
+    angular: bool = False
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -127,8 +129,8 @@ TERMS = {
             _STRIBECK * len(_STRIBECK_EXPONENTS),
             filled="stribeck",
         ),
-        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance"),
-        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order"),
+        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", angular=True),
+        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order", angular=True),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
         JointTerm(
             "power_law_viscous",
@@ -141,8 +143,8 @@ TERMS = {
         JointTerm("spring_torque", ("stiffness",)),
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
-        JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
-        JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True),
+        JointTerm("cogging", ("cosine", "sine"), filled="ripple", angular=True),
+        JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True, angular=True),
         JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
         JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),
         JointTerm("torque_gain_error", ("gain_error",), filled="load"),

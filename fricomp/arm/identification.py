@@ -26,10 +26,11 @@ from .physics import hold_at_zero, is_physical
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows, build_rows
+from .search.early_torque import EarlyTorques
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
 from .search.stribeck import hold_velocity, is_curve, refine_stribeck
-from .shared_delay import SharedDelay, measure_delay
+from .shared_delay import SharedDelay, is_before_most, measure_delay, measure_seen
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
 
@@ -41,7 +42,7 @@ _CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 _MOST_OF_RATE = 0.2
 """Highest cutoff, as part of the sample rate."""
 
-_DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 4, 2, 2
+_DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 6, 2, 2
 """Of the search for a delay, of delay and model in turn, and of weighing rows by what a fit leaves of them."""
 
 _ALIKE = 3.0
@@ -112,10 +113,11 @@ def identify_arm(
     delay = SharedDelay(0.0, 0.0, {})
     for _ in range(_PASSES):
         say("finding the delay of the torques")
-        rows, equations, delay = _take_off_delay(recording, rows, equations, model, prior, delay.value, arm)
-        say("weighing what the simulation may have wrong")
         before = model
-        model, fit, equations = _take_in(rows, equations, before, prior, trials, rivals, arm)
+        rows, equations, delay, prompt = _take_off_delay(recording, rows, equations, model, prior, delay.value, arm)
+        model = replace(model, prompt=prompt)
+        say("weighing what the simulation may have wrong")
+        model, fit, equations = _take_in(rows, equations, model, prior, trials, rivals, arm)
         if model == before:
             break
     fit, equations = fit_robustly(arm, rows, equations, model, prior, fit, settled=True)
@@ -190,20 +192,32 @@ def _take_off_delay(
     prior: ArmPrior,
     start: float,
     arm: SimulatedArm,
-) -> tuple[ArmRows, ArmEquations, SharedDelay]:
-    """Rows in which the torques are as early as the positions, and the delay that was taken off."""
-    total, found = start, SharedDelay(start, 0.0, {})
+) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
+    """Rows in which the torques are as early as the positions, and the delay that was taken off.
+
+    Torques are not taken to be ahead of the positions where a gear gives way, which looks like it.
+
+    Returns:
+        The last tells whether they look so, and are taken to be prompt.
+    """
+    total, found, moved, before = start, SharedDelay(start, 0.0, {}), 0.0, 0.0
     for _ in range(_DELAY_ROUNDS):  # settled: a joint that sticks turns later than it would
         fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
         more = measure_delay(equations, fit, prior)
+        ahead = total + more.value < 0.0
+        if ahead and not EarlyTorques(rows, equations, fit).is_none_bent():
+            rows = rows.with_delay(recording, 0.0)
+            return rows, equations.with_torque(rows), more.move(total, -total), True
         still = abs(more.value) < 0.5 * more.deviation or not (total or more.is_sure)
-        found = more.move(total, 0.0 if still else more.value)
+        moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
+        before = more.value
+        found = more.move(total, moved)
         if still:
-            break
+            return rows, equations, found, ahead and not total
         total = found.value
         rows = rows.with_delay(recording, total)
         equations = equations.with_torque(rows)
-    return rows, equations, found
+    return rows, equations, found, False
 
 
 def _take_in(
@@ -220,7 +234,7 @@ def _take_in(
     gaps = GapSearch(rows, fit)
     while True:
         equations = gaps.propose(propose_ripples(rows, equations, fit), fit)
-        tried = _try_out(equations, fit, prior, trials)
+        tried = _try_out(rows, equations, fit, prior, trials)
         gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
         trials |= gains  # of the best variant of each
         best = max(gains, key=lambda name: gains[name] - _require(name), default=None)
@@ -234,10 +248,14 @@ def _take_in(
 
 
 def _try_out(
-    equations: ArmEquations, fit: ArmFit, prior: ArmPrior, trials: dict[str, float]
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, trials: dict[str, float]
 ) -> list[tuple[str, ArmFit]]:
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
-    glance = Glance(equations, fit, prior)
+    glance, early = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
+
+    def is_early(joint: int) -> bool:
+        return not fit.model.prompt and is_before_most(glance, fit, joint) and early.holds(joint)
+
     gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in propose_models(fit.arm, fit.model)]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
     open_ones = [each for each in gains if each[2] > _require(each[0]) - _GLANCE_ERROR]
@@ -248,7 +266,7 @@ def _try_out(
             (name, fit_arm(fit.arm, equations, other, prior, fit, steps=_count_steps(fit, other)))
             for name, other, _ in now
         ]
-        tried = [(name, one) for name, one in tried if is_physical(one, fit) and _is_possible(one, fit)]
+        tried = [(name, one) for name, one in tried if is_physical(one, fit, is_early) and _is_possible(one, fit)]
         if tried:
             return tried
         open_ones = [each for each in open_ones if each not in now]
@@ -306,7 +324,7 @@ def _is_rival(name: str, other: str) -> bool:
 def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
     """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
     for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
-        for term in TERMS.values() if arm.rotary[j] else ():
+        for term in (one for one in TERMS.values() if arm.rotary[j] or not one.angular):
             for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
                 other = _with_form(model, j, form.with_term(term.name, variant))
                 other = hold_velocity(other, j) if term.filled == "stribeck" else other

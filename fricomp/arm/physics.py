@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -27,9 +27,12 @@ _POSITIVE: tuple[Mapping[str, float], ...] = (
     {"spring_torque.stiffness": 1.0},
     {"power_law_viscous.torque_at_top_speed": 1.0},
     {"backlash.share": 1.0},
-    {"torque_delay.delay": 1.0},  # or it would be recorded before it acts
 )
 """Weighted sums of a joint's parameters that are not below zero."""
+
+_LATE: Mapping[str, float] = {"torque_delay.delay": 1.0}
+"""Of a torque that is later than those of the other joints. One that is earlier has to show it, since links on an
+elastic gear look like it."""
 
 _NONE = 1e-6
 """[kg·m²] or [kg] below zero that a rotor without inertia may come out with, and as much of viscous friction."""
@@ -52,16 +55,19 @@ def hold_at_zero(fit: ArmFit) -> ArmModel:
     return replace(fit.model, rotorless=rotorless, pinned=frozenset(pinned))
 
 
-def is_physical(fit: ArmFit, before: ArmFit | None = None) -> bool:
+def is_physical(fit: ArmFit, before: ArmFit | None = None, is_early: Callable[[int], bool] = lambda _: False) -> bool:
     """Whether the friction of every joint can exist.
 
     Args:
         fit: With its deviations.
         before: Of a model with less: what could not exist there already speaks against no term.
+        is_early: Whether the torque of a joint shows that it was recorded before those of the others.
     """
-    pairs = [(j, weights) for j in range(len(fit.arm.joints)) for weights in _POSITIVE]
+    pairs = [(j, weights) for j in range(len(fit.arm.joints)) for weights in (*_POSITIVE, _LATE)]
     return all(
-        _is_positive(fit, j, weights) or (before is not None and not _is_positive(before, j, weights))
+        _is_positive(fit, j, weights)
+        or (before is not None and not _is_positive(before, j, weights))
+        or (weights is _LATE and is_early(j))
         for j, weights in pairs
     )
 

@@ -14,12 +14,13 @@ from scipy.stats import chi2
 
 from fricomp.laws import FloatArray
 
+from .coordinates import ArmModel
 from .equations import ArmEquations
 from .fit import ArmFit
 from .glance import Glance
 from .prior import ArmPrior
 
-__all__ = ["SharedDelay", "agree", "measure_delay", "take_median"]
+__all__ = ["SharedDelay", "agree", "is_before_most", "measure_delay", "measure_seen", "take_median"]
 
 _OWN = "torque_delay"
 """The term by which a joint has a delay of its own."""
@@ -29,6 +30,9 @@ _SHOWN = 0.5
 
 _CHANCE = 0.05
 """Probability by which joints that have one delay differ by too much to be taken to agree."""
+
+_LEAST_SEEN = 1.0 / 3.0
+"""Part of a delay that a look at it sees at least: by a smaller one a step would be mostly noise."""
 
 _SURE, _SURE_APART = 2.0, 3.5
 """Standard deviations that a delay must have to be allowed for, where joints agree, and where they do not: then as many
@@ -66,11 +70,12 @@ def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> Shar
 
     That of the fit where the joints agree on it; else the median of those that they ask for, each by itself.
     """
-    joints, delays, spread = _ask_joints(equations, fit, prior)
+    glance = Glance(equations, fit, prior)
+    joints, delays, spread = _ask_joints(fit, glance)
     shown = spread < _SHOWN * prior.delay
     delays, spread = delays[shown], spread[shown]
     if agree(delays, spread):
-        return SharedDelay(*fit.delay, {})
+        return SharedDelay(*glance.solve(replace(fit.model, prompt=False)).delay, {})
     apart = dict(zip(joints[shown].tolist(), delays.tolist(), strict=True))
     return SharedDelay(*take_median(delays, spread), apart)
 
@@ -84,19 +89,47 @@ def agree(values: FloatArray, spread: FloatArray) -> bool:
     return bool(weights @ away**2 < chi2.isf(_CHANCE, values.size - 1))
 
 
+def is_before_most(glance: Glance, fit: ArmFit, joint: int) -> bool:
+    """Whether a joint asks for a delay that is surely less than what most joints ask for."""
+    joints, delays, spread = _ask_joints(replace(fit, model=_without_own(fit.model, joint)), glance)
+    middle = float(np.median(delays))
+    return float(delays[joints == joint][0]) < middle - _SURE_APART * _measure_width(delays, spread)
+
+
+def _without_own(model: ArmModel, joint: int) -> ArmModel:
+    forms = list(model.forms)
+    forms[joint] = forms[joint].without_term(_OWN)
+    return replace(model, forms=tuple(forms))
+
+
+def measure_seen(more: float, before: float, moved: float) -> float:
+    """Part of a delay that a look at it sees, since there is noise in the rate of the torque; by a secant.
+
+    Args:
+        more: What it still asks for [s].
+        before: What it asked for until it was moved [s].
+        moved: By how much it was [s]; 0 where it was not yet.
+    """
+    fall = (before - more) / moved if moved else 1.0
+    return min(max(fall, _LEAST_SEEN), 1.0)
+
+
 def take_median(values: FloatArray, spread: FloatArray) -> tuple[float, float]:
     """Their median, and its standard deviation: by what they differ, and by what each is known to at least."""
-    middle = float(np.median(values))
-    wide = max(_NORMAL * float(np.median(np.abs(values - middle))), float(np.median(spread)))
-    return middle, _MEDIAN * wide / float(np.sqrt(values.size))
+    return float(np.median(values)), _MEDIAN * _measure_width(values, spread) / float(np.sqrt(values.size))
 
 
-def _ask_joints(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _measure_width(values: FloatArray, spread: FloatArray) -> float:
+    """Standard deviation of most values, whatever the others are, and that of one of them at least."""
+    return max(_NORMAL * float(np.median(np.abs(values - np.median(values)))), float(np.median(spread)))
+
+
+def _ask_joints(fit: ArmFit, glance: Glance) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Numbers of joints without a delay of their own, the delay that each asks for, and its deviation [s]."""
     forms = fit.model.forms
     joints = [j for j, form in enumerate(forms) if _OWN not in form.names]
     wider = tuple(form.with_term(_OWN, 0) if j in joints else form for j, form in enumerate(forms))
-    each = Glance(equations, fit, prior).solve(replace(fit.model, forms=wider))
+    each = glance.solve(replace(fit.model, forms=wider))
     pick = np.zeros((len(joints), each.x.size))
     pick[:, -2] = 1.0  # of the delay of all
     for row, j in zip(pick, joints, strict=True):

@@ -102,7 +102,7 @@ def evaluate_arm(
     match: Mapping[str, str] | None = None,
     spans: Spans | None = None,
     band: float | None = None,
-    torque_delay: float = 0.0,
+    torque_delay: float | Mapping[str, float] = 0.0,
     positions: bool = True,
     longest: float = HORIZONS[-1],
 ) -> ArmEvaluation:
@@ -117,7 +117,8 @@ def evaluate_arm(
         match: Name in the simulation by name in the recordings, where they differ.
         spans: Times that count [s]; all if None.
         band: Upper end of the band of the torque errors [Hz]; chosen if None.
-        torque_delay: Time by which all recorded torques are late [s].
+        torque_delay: Time by which all recorded torques are late, or that of each joint by its name in the recordings
+            [s].
         positions: Whether to simulate as well.
         longest: Of the open-loop simulations [s].
 

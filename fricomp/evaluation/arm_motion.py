@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,14 +60,15 @@ class ArmMotion:
 
 
 def read_arm_motion(
-    recordings: Sequence[Recording], *, band: float | None = None, torque_delay: float = 0.0
+    recordings: Sequence[Recording], *, band: float | None = None, torque_delay: float | Mapping[str, float] = 0.0
 ) -> ArmMotion:
     """Bring the recordings of all joints onto the slowest one's grid, and into the narrowest band.
 
     Args:
         recordings: One of each joint, their torques on the side of the joint.
         band: Upper end of the band [Hz]; chosen if None.
-        torque_delay: Time by which all recorded torques are late; they are moved to where they acted [s].
+        torque_delay: Time by which all recorded torques are late, or that of each joint by its name; they are moved to
+            where they acted [s].
 
     Raises:
         RecordingError: A joint comes twice, a torque is neither in N·m nor in N, or they share too little time.
@@ -84,8 +85,12 @@ def read_arm_motion(
     even = _share_grid(recordings)
     band = band or min(read_motion(one).band for one in even)
     motions = [read_motion(one, band=band) for one in even]
-    if torque_delay:
-        motions = [replace(one, parts=tuple(_align(part, torque_delay) for part in one.parts)) for one in motions]
+    own = torque_delay if isinstance(torque_delay, Mapping) else dict.fromkeys(names, torque_delay)
+    delays = [own.get(name, 0.0) for name in names]
+    motions = [
+        replace(one, parts=tuple(_align(part, delay) for part in one.parts)) if delay else one
+        for one, delay in zip(motions, delays, strict=True)
+    ]
     return ArmMotion(names, tuple(motions))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,20 @@ _LEVELS, _SLOPES = (1.2, 0.8, 0.3), (0.6, 0.4, 0.1)
 Friction = Callable[[int, FloatArray, FloatArray, FloatArray], FloatArray]
 """Torque of a joint beside Coulomb and viscous friction: its number, position, velocity and transmitted torque."""
 
+Bend = Callable[[int, FloatArray, FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+"""Position that a joint records, and velocity that its friction sees: of its number, time, position and transmitted
+torque."""
+
+
+def bend_gear(joint: int, stiffness: float, side: str) -> Bend:
+    """A gear of one joint that gives way, with the encoder on the side of its motor or of its link."""
+
+    def bend(number: int, time: FloatArray, position: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatArray]:
+        motor = position + load / stiffness if number == joint else position
+        return motor if side == "motor" else position, np.gradient(motor, time)
+
+    return bend
+
 
 def write_arm(
     folder: Path,
@@ -48,18 +62,21 @@ def record_arm(
     rate: float = 250.0,
     noise: float = 0.03,
     delay: float = 0.0,
+    bend: Bend | None = None,
+    joints: Sequence[str] = JOINTS,
 ) -> list[Recording]:
     """Recordings of all joints on a Fourier motion, with encoders of 17 bits and noise of the torque [N·m]."""
     rng, time = np.random.default_rng(seed), np.arange(0.0, duration, 1.0 / rate)
     q, v, a = _move(rng, time)
     rigid = _invert(mujoco.MjModel.from_xml_path(str(simulation)), q, v, a)
     recordings = []
-    for j, name in enumerate(JOINTS):
-        friction = _LEVELS[j] * np.sign(v[:, j]) + _SLOPES[j] * v[:, j]
+    for j, name in enumerate(joints):
+        seen, turned = (q[:, j], v[:, j]) if bend is None else bend(j, time, q[:, j], rigid[:, j])
+        friction = _LEVELS[j] * np.sign(turned) + _SLOPES[j] * turned
         if more is not None:
             friction = friction + more(j, q[:, j], v[:, j], rigid[:, j])
         torque = np.interp(time - delay, time, rigid[:, j] + friction) + noise * rng.normal(size=time.size)
-        position = np.round(q[:, j] * 2**17 / (2.0 * np.pi)) * 2.0 * np.pi / 2**17
+        position = np.round(seen * 2**17 / (2.0 * np.pi)) * 2.0 * np.pi / 2**17
         recordings.append(
             Recording(time=time, position=position, torque=torque, metadata=RecordingMetadata(joint=name))
         )

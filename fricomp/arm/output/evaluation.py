@@ -79,7 +79,10 @@ class FileTrial:
             friction=friction,
             spans=self.spans,
             band=found.rows.cutoff,
-            torque_delay=found.delay.value,
+            torque_delay={
+                name: found.delay.value + own
+                for name, (own, _) in zip(found.fit.arm.joints, self.answer.own_delays, strict=True)
+            },
             positions=self.longest > 0.0,
             longest=self.longest,
         )

@@ -36,6 +36,7 @@ from fricomp.laws import FloatArray
 
 from ..answer import LEAST_FALL, RECURRENCE, ArmAnswer
 from ..arm_recording import find_start_temperature
+from ..brief import say_what
 from ..confirmation import ConfirmedData, without_terms
 from ..examination import ArmExamination
 from ..friction import TERMS
@@ -181,7 +182,7 @@ def _list_effects(
             location=_locate(series, energies[one.name], float(series.spread[0])),
             share=float(np.clip(held.explained, 0.0, 1.0)) * float(np.sum(energies[one.name])) / max(total, 1e-300),
             equation=one.equation,
-            sentence=EFFECTS[one.name].says,
+            sentence=say_what(one),
             citation=EFFECTS[one.name].citation,
         )
         for one in record.effects

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, compute_twist
 from fricomp.laws import FloatArray
 
-from ..coordinates import Coordinates
-from ..equations import N_LAST, ArmEquations
+from ..equations import ArmEquations
 from ..fit import ArmFit
 from ..friction import TERMS
 from ..rigid.regressor import compute_mass_matrices
 from ..rows import ArmRows
+from .judge import JointJudge
 
 __all__ = ["GapSearch"]
 
@@ -57,9 +57,6 @@ _HALF_CHI_SQUARE, _WIDTH_STEP, _WIDEST = 1.92, 1.02, 2.0
 
 _TEETH_POWER = 0.5
 """Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
-
-_RANK = 1e-6
-"""Part of the largest singular value below which a direction of a joint's columns is rounding."""
 
 _UNKNOWN = 1.0
 """[s] from the start of a part in which nothing is said: on which side of a gap a load began, and how it swung, is gone
@@ -121,7 +118,7 @@ class GapSearch:
             fit: Of these equations.
         """
         n, left = len(fit.arm.joints), fit.residuals(equations)
-        judges = {j: _Judge(equations, fit, j, left[:, j]) for j in self._joints}
+        judges = {j: JointJudge(equations, fit, j, left[:, j], term=_GAP.name) for j in self._joints}
         has = {j for j in self._joints if _GAP.name in fit.model.forms[j].names}
         found = {j: self._choose(judges[j], j) for j in self._joints if j not in has}
         first = max(found, key=lambda j: found[j].gain, default=None)
@@ -136,7 +133,7 @@ class GapSearch:
                 torques[:, :, j] = self._spread(j, self._follow(j, one.gap))
         return equations.with_gaps(gaps, torques)
 
-    def _choose(self, judge: _Judge, joint: int) -> _Tried:
+    def _choose(self, judge: JointJudge, joint: int) -> _Tried:
         """The gear that explains most; of no gain where none does better than one whose teeth always touch."""
         gears, own = self._build_starts(joint)
         tried = [_Tried(*pair) for pair in zip(gears, judge.measure_gains(own).tolist(), strict=True)]
@@ -144,7 +141,7 @@ class GapSearch:
         closed = max(one.gain for one in tried if one.gap.width == 0.0)
         return best if best.gain > closed + _EVIDENCE else best._replace(gain=0.0)
 
-    def _refine(self, judge: _Judge, joint: int, gap: Gap, rounds: int) -> _Tried:
+    def _refine(self, judge: JointJudge, joint: int, gap: Gap, rounds: int) -> _Tried:
         """Move one number at a time for as long as that explains more."""
         best = self._measure(judge, joint, gap)
         for k in range(_ROUNDS - rounds, _ROUNDS):
@@ -152,7 +149,7 @@ class GapSearch:
                 best = max(best, self._measure(judge, joint, one), key=lambda each: each.gain)
         return best
 
-    def _measure(self, judge: _Judge, joint: int, gap: Gap) -> _Tried:
+    def _measure(self, judge: JointJudge, joint: int, gap: Gap) -> _Tried:
         own = -self._mass[:, joint, joint] * self._follow(joint, gap)
         return _Tried(gap, float(judge.measure_gains(own[:, None])[0]))
 
@@ -164,12 +161,12 @@ class GapSearch:
             fit: Of these equations.
             joint: Number of the joint.
         """
-        judge = _Judge(equations, fit, joint, fit.residuals(equations)[:, joint])
+        judge = JointJudge(equations, fit, joint, fit.residuals(equations)[:, joint], term=_GAP.name)
         gap = Gap(*equations.gaps[joint].tolist())
         best = self._measure(judge, joint, gap)
         return self._find_end(judge, joint, best, 1.0 / _WIDTH_STEP), self._find_end(judge, joint, best, _WIDTH_STEP)
 
-    def _find_end(self, judge: _Judge, joint: int, best: _Tried, ratio: float) -> float:
+    def _find_end(self, judge: JointJudge, joint: int, best: _Tried, ratio: float) -> float:
         """The first width that explains less than the interval allows, on steps of a ratio, with teeth that suit it."""
         gap, least, now = best.gap, best.gain - _HALF_CHI_SQUARE, best
         while now.gain >= least and 1.0 / _WIDEST < now.gap.width / gap.width < _WIDEST:
@@ -206,38 +203,6 @@ class GapSearch:
             curvature[time < time[0] + _UNKNOWN] = 0.0
             curvatures.append(curvature)
         return rows.compare_samples(curvatures)
-
-
-class _Judge:
-    """How much a column explains of what a fit leaves of a joint, once its own columns have taken what they can."""
-
-    def __init__(self, equations: ArmEquations, fit: ArmFit, joint: int, left: FloatArray) -> None:
-        coordinates, columns = Coordinates(fit.arm, fit.model), equations.columns[joint]
-        own, value = coordinates.columns[joint], 0.0
-        if _GAP.name in fit.model.forms[joint].names:  # its own gap is what is looked for
-            place, names = fit.find_friction(joint)
-            (name,) = _GAP.names(0)
-            at = names.index(name)
-            value, own = float(fit.x[place.start + at]), np.delete(own, at)
-            left = left + value * equations.friction_of(joint, [name])[:, 0]
-        links = np.arange(coordinates.n_inertial + 1)
-        shared = np.arange(columns.shape[1] - N_LAST, columns.shape[1] - 1)
-        weights = equations.weights
-        self._root = np.sqrt(weights.rows[:, joint] / (weights.inflation[joint] * weights.noise[joint] ** 2))
-        base = columns[:, np.concatenate([links, own, shared])] * self._root[:, None]
-        size = np.linalg.norm(base, axis=0)
-        vectors, strength, _ = np.linalg.svd(base[:, size > 0.0] / size[size > 0.0], full_matrices=False)
-        self._base = vectors[:, strength > _RANK * strength[0]]
-        self._left = self._take_off(left * self._root)
-
-    def measure_gains(self, columns: FloatArray) -> FloatArray:
-        """Half of what the weighted squares fall by with each column times a positive factor. Shape (n_columns,)."""
-        seen = self._take_off(columns * self._root[:, None])
-        along, size = np.maximum(seen.T @ self._left, 0.0), np.einsum("ij,ij->j", seen, seen)
-        return np.asarray(0.5 * along**2 / np.maximum(size, 1e-300))
-
-    def _take_off(self, columns: FloatArray) -> FloatArray:
-        return np.asarray(columns - self._base @ (self._base.T @ columns))
 
 
 def _build_gap(inertia: float, width: float, rate: float, ratio: float) -> Gap:

@@ -1,0 +1,71 @@
+"""Whether a torque was recorded early, told from a gear that gives way.
+
+    τ_j(t) = τ_links(t - T_l) + τ_friction(t - T_f),   T_l and T_f both below zero
+
+A command that acts after its stamp moves all of its torque. Links on an
+elastic gear follow their motor late, and ask for their torque at another time, while friction turns with the joint
+whose position was recorded; with positions of the links it is friction that turns early, and links ask in time.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fricomp.laws import FloatArray
+
+from ..equations import ArmEquations
+from ..fit import ArmFit
+from ..rows import ArmRows
+from .judge import Estimate, JointJudge
+
+__all__ = ["EarlyTorques"]
+
+_DELAY = "torque_delay"
+
+_SURE = 3.5
+"""Standard deviations by which both parts of a torque must be early, or differ: as many as whatever is taken in has."""
+
+
+class EarlyTorques:
+    """Which joints' torques are early beside the time that a fit has for all.
+
+    Args:
+        rows: Their times.
+        equations: Of these rows.
+        fit: Of these equations.
+    """
+
+    def __init__(self, rows: ArmRows, equations: ArmEquations, fit: ArmFit) -> None:
+        self._rows, self._equations, self._fit = rows, equations, fit
+        self.measure = cache(self._measure)
+
+    def holds(self, joint: int) -> bool:
+        """Whether both what links ask of this joint and what rubs in it were recorded early."""
+        found = self.measure(joint)
+        return bool(np.all(found.values < -_SURE * found.deviations))
+
+    def is_none_bent(self) -> bool:
+        """Whether links and friction of each joint have one time, as far as is known: no gear gives way."""
+        return all(self._is_one(self.measure(joint)) for joint in range(len(self._fit.arm.joints)))
+
+    @staticmethod
+    def _is_one(found: Estimate) -> bool:
+        apart = np.array([1.0, -1.0])
+        return bool(abs(apart @ found.values) < _SURE * np.sqrt(apart @ found.covariance @ apart))
+
+    def _measure(self, joint: int) -> Estimate:
+        """By how much later than all the torque of the links is, and that of friction [s]. Shapes (2,)."""
+        left = self._fit.residuals(self._equations)[:, joint]
+        judge = JointJudge(self._equations, self._fit, joint, left, term=_DELAY, delay=False)
+        parts = [part[:, joint] for part in self._fit.predict(self._equations)]
+        return judge.estimate(-np.stack([self._differentiate(part) for part in parts], axis=1))
+
+    def _differentiate(self, values: FloatArray) -> FloatArray:
+        rate, part = np.zeros_like(values), self._rows.part
+        for k in np.unique(part):
+            here, time = part == k, self._rows.time[part == k]
+            rate[here] = CubicSpline(time, values[here])(time, 1) if time.size > 1 else 0.0
+        return rate

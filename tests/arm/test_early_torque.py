@@ -1,0 +1,62 @@
+"""One joint whose torque is recorded before those of the others, and elastic gears that look like it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.arm import ArmExamination, examine_arm
+from fricomp.arm.search.early_torque import EarlyTorques
+from fricomp.recording import Recording
+
+from .moving_arm import bend_gear, record_arm, write_arm
+from .test_examination import names_of
+
+_ELBOW, _DURATION = 1, 20.0
+
+
+def _shift(recordings: Sequence[Recording], delays: Sequence[float]) -> list[Recording]:
+    """The same with torques that are later by these times [s]."""
+    return [
+        replace(one, torque=np.interp(one.time - delay, one.time, one.torque))
+        for one, delay in zip(recordings, delays, strict=True)
+    ]
+
+
+def _is_early(found: ArmExamination, joint: int) -> bool:
+    one = found.answer.identification
+    return EarlyTorques(one.rows, one.equations, one.fit).holds(joint)
+
+
+def test_a_torque_that_is_recorded_first_is_named_and_the_others_are_not(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    recordings = _shift(record_arm(simulation, duration=_DURATION), (0.008, 0.001, 0.008))
+    found = examine_arm(recordings, simulation)
+    assert names_of(found.record) == {"shoulder": [], "elbow": ["torque_delay"], "wrist": []}
+    delay = found.record.joints[_ELBOW].effects[0].parameters["delay"]
+    assert delay.ci95[0] <= -0.007 <= delay.ci95[1]
+    assert found.record.delay.value == pytest.approx(0.008, abs=5e-4)
+    assert "earlier than those of the other joints" in found.summary()
+    assert "The torques of all joints but elbow are" in found.summary()
+    assert [own for own, _ in found.answer.own_delays] == pytest.approx([0.0, -0.007, 0.0], abs=5e-4)
+
+
+def test_a_later_one_is_said_to_be_later(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    found = examine_arm(_shift(record_arm(simulation, duration=_DURATION), (0.0, 0.006, 0.0)), simulation)
+    assert names_of(found.record) == {"shoulder": [], "elbow": ["torque_delay"], "wrist": []}
+    assert "later than those of the other joints" in found.summary()
+    assert not _is_early(found, _ELBOW)
+
+
+@pytest.mark.parametrize("side", ["motor", "link"])
+def test_an_elastic_gear_is_no_early_torque(tmp_path: Path, side: str) -> None:
+    simulation = write_arm(tmp_path)
+    bend = bend_gear(_ELBOW, stiffness=300.0, side=side)
+    found = examine_arm(record_arm(simulation, duration=_DURATION, bend=bend), simulation)
+    assert not any("torque_delay" in names for names in names_of(found.record).values())
+    assert not any(_is_early(found, joint) for joint in range(3))

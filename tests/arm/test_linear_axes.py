@@ -1,0 +1,57 @@
+"""Axes that slide have the friction of joints that turn, but for what goes with an angle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.arm import build_friction_model, examine_arm
+from fricomp.arm.coordinates import ArmModel
+from fricomp.arm.friction import JointForm
+from fricomp.arm.identification import propose_models
+from fricomp.arm.rigid.simulated_arm import read_arm
+from fricomp.laws import BidirectionalStribeck, FloatArray
+
+from .moving_arm import record_arm
+from .test_examination import names_of
+
+_AXES = ("bridge", "ram", "yaw")
+_MJCF = """<mujoco><worldbody><body name="a"><inertial pos="0 0 0" mass="4" diaginertia="0.1 0.1 0.1"/>
+<joint name="bridge" type="slide" axis="1 0 0" armature="1"/>
+<body name="b"><inertial pos="0 0 -0.1" mass="2" diaginertia="0.02 0.02 0.02"/>
+<joint name="ram" type="slide" axis="0 0 1" armature="1"/>
+<body name="c"><inertial pos="0.05 0 0" mass="1" diaginertia="0.01 0.01 0.01"/>
+<joint name="yaw" axis="0 0 1" armature="0.1"/></body></body></body></worldbody></mujoco>"""
+
+
+def _fall_with_speed(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
+    return np.asarray((0.5 if joint == 0 else 0.0) * np.exp(-((v / 0.11) ** 2)) * np.sign(v))
+
+
+@pytest.fixture(scope="module")
+def simulation(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("gantry") / "gantry.xml"
+    path.write_text(_MJCF)
+    return path
+
+
+def test_a_linear_axis_has_its_stribeck_curve(simulation: Path) -> None:
+    found = examine_arm(record_arm(simulation, _fall_with_speed, duration=30.0, joints=_AXES), simulation)
+    assert names_of(found.record) == {name: [] for name in _AXES}
+    (core,) = build_friction_model(found.answer.identification, 0).law.terms
+    assert isinstance(core, BidirectionalStribeck)
+    assert core.forward.stribeck_velocity == pytest.approx(0.11, rel=0.2)
+    assert core.forward.coulomb_torque == pytest.approx(1.2, rel=0.05)
+    assert core.forward.static_torque - core.forward.coulomb_torque == pytest.approx(0.5, rel=0.2)
+    assert found.record.joints[0].unit == "N"
+
+
+def test_what_goes_with_an_angle_is_not_tried_on_a_linear_axis(simulation: Path) -> None:
+    model = ArmModel(tuple(JointForm() for _ in _AXES))
+    tried = {name for name, _ in propose_models(read_arm(simulation, _AXES), model)}
+    angular = ("presliding_hysteresis", "position_coulomb", "cogging", "backlash")
+    assert {f"yaw: {name}" for name in angular} <= tried
+    assert not {f"ram: {name}" for name in angular} & tried
+    assert {"ram: stribeck", "ram: load_coulomb", "ram: quadratic_drag", "ram: torque_delay"} <= tried
