@@ -86,7 +86,7 @@ class JointJudge:
     def estimate(self, columns: FloatArray) -> Estimate:
         """Factors on columns together, as the weighted squares have them. Shape (n, n_columns)."""
         seen = self._take_off(columns * self._root[:, None])
-        covariance = np.linalg.pinv(seen.T @ seen)
+        covariance = np.asarray(np.linalg.pinv(seen.T @ seen), dtype=np.float64)
         return Estimate(covariance @ (seen.T @ self._left), covariance)
 
     def _take_off(self, columns: FloatArray) -> FloatArray:
