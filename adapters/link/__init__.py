@@ -2,12 +2,11 @@
 
 from .can_link import CanLink, PythonCanLink
 from .frame import CanFrame
-from .serial_link import PySerialLink, SerialLink, open_serial_link
+from .serial_link import SerialLink, open_serial_link
 
 __all__ = [
     "CanFrame",
     "CanLink",
-    "PySerialLink",
     "PythonCanLink",
     "SerialLink",
     "open_serial_link",

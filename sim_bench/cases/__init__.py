@@ -7,7 +7,7 @@ laws nor the diagnosis, so that finding what it conceals proves something.
 from .case import Case, generate, record_again
 from .effects import CATALOGUE, EFFECTS, OUTSIDE
 from .excitation import EXCITATIONS
-from .spec import CHOICES, STRENGTHS, CaseSpec
+from .spec import CHOICES, CaseSpec
 from .writing import derive_case_id, write_answer, write_case
 
 __all__ = [
@@ -16,7 +16,6 @@ __all__ = [
     "EFFECTS",
     "EXCITATIONS",
     "OUTSIDE",
-    "STRENGTHS",
     "Case",
     "CaseSpec",
     "derive_case_id",

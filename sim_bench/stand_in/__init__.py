@@ -1,8 +1,6 @@
 """The stand-in: joints with known friction that truly stick, behind simulated drives and sensors."""
 
 from .backend import SimulatedJointAdapter, default_limits
-from .clock import LockStepClock
-from .disturbance import Disturbance, Sinusoid
 from .packaged import (
     DEFAULT_LAW,
     NO_DISTURBANCE,
@@ -21,16 +19,13 @@ __all__ = [
     "DEFAULT_LAW",
     "NO_DISTURBANCE",
     "PACKAGED_MODELS",
-    "Disturbance",
     "JointSettings",
-    "LockStepClock",
     "NormalLoad",
     "Plant",
     "Reading",
     "SensorSettings",
     "ServoSettings",
     "SimulatedJointAdapter",
-    "Sinusoid",
     "StandIn",
     "StandInSettings",
     "ThermalSettings",

@@ -4,15 +4,13 @@ One protocol a module, imported when used, so that a serial twin does not need t
 """
 
 from .axis import DriveAxis, twin_stand_in
-from .port import BytePort, PtyPort, SocketPort
+from .port import PtyPort
 from .twin import DriveTwin, TwinClock, TwinServer
 
 __all__ = [
-    "BytePort",
     "DriveAxis",
     "DriveTwin",
     "PtyPort",
-    "SocketPort",
     "TwinClock",
     "TwinServer",
     "twin_stand_in",

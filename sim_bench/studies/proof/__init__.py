@@ -19,7 +19,7 @@ from .settings import (
     plan_run,
     stop_after,
 )
-from .speed_up import SpeedUp, measure_speed_up
+from .speed_up import measure_speed_up
 from .summary import compute_figures
 
 __all__ = [
@@ -31,7 +31,6 @@ __all__ = [
     "PlannedCase",
     "RunSettings",
     "Score",
-    "SpeedUp",
     "compute_figures",
     "compute_power",
     "count_open",

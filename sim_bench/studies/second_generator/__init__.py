@@ -2,7 +2,7 @@
 
 from .cases import Case, choose_cases, list_cases
 from .effect import Effect
-from .effects import EFFECTS, find_effect
+from .effects import EFFECTS
 from .figures import Figure, compute_figures
 from .page import write_page
 from .run import run_all, run_case, write_files
@@ -16,7 +16,6 @@ __all__ = [
     "Score",
     "choose_cases",
     "compute_figures",
-    "find_effect",
     "list_cases",
     "run_all",
     "run_case",

@@ -1,6 +1,6 @@
 """Other methods on concealed cases, to compare the diagnosis with."""
 
-from .compare import BaselineScore, compare_baselines, format_table
+from .compare import compare_baselines, format_table
 from .methods import METHODS
 
-__all__ = ["METHODS", "BaselineScore", "compare_baselines", "format_table"]
+__all__ = ["METHODS", "compare_baselines", "format_table"]
