@@ -13,8 +13,6 @@ from ..identification.doubt import doubted
 from .joint_samples import JointSamples, RegressionSettings
 from .rigid_body import MotionIdentification, fit_rigid_body
 
-__all__ = ["doubt_for_filter", "find_motion_filter"]
-
 _LATE = 0.01
 """Lag of the motion behind the torque that no bus explains [s]."""
 _TIME_CONSTANTS = tuple(np.geomspace(0.6, 4.0, 12).tolist())

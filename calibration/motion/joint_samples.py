@@ -21,17 +21,6 @@ from fricomp.recording import Recording
 
 from .parts import MotionParts, split_motion
 
-__all__ = [
-    "FEWEST_SAMPLES",
-    "FEWEST_SLIDING",
-    "JointSamples",
-    "RecordedMotion",
-    "RegressionSettings",
-    "choose_settings",
-    "sample_joint",
-    "split_for",
-]
-
 
 @dataclass(frozen=True)
 class RegressionSettings:

@@ -13,15 +13,6 @@ from ..identification.doubt import doubted
 from .joint_samples import JointSamples, RegressionSettings
 from .rigid_body import MotionIdentification, RigidBodyFit, fit_rigid_body
 
-__all__ = [
-    "MissedTorque",
-    "describe_gravity",
-    "doubt_for_gravity",
-    "doubt_for_spring",
-    "find_missed_gravity",
-    "find_missed_spring",
-]
-
 _HEAVY = 0.5
 """What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""
 _SURE = 4.0

@@ -20,8 +20,6 @@ from fricomp.recording.file import is_own, read_content
 from fricomp.recording.parts.parts import UsableParts, find_usable_parts
 from fricomp.untrusted import parse_json
 
-__all__ = ["MotionParts", "MotionRecording", "read_motion_recording", "split_motion"]
-
 _MOTION = "motion"
 """Kind of the blocks that `fricomp calibrate --motion` writes beside those of its preparation."""
 _FEWEST = 50

@@ -25,8 +25,6 @@ from .joint_samples import FEWEST_SLIDING, JointSamples, RegressionSettings
 from .torque_lag import NOISE_KNOWN, TorqueLag, estimate_lag
 from .verdict import weigh_rivals, with_lag_note, with_offset_note
 
-__all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion"]
-
 _DEFAULTS = RegressionSettings()
 _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 _NOT_APART = (

@@ -19,8 +19,6 @@ from fricomp.laws import FloatArray
 from ..identification.estimation.correlated_fit import solve_correlated
 from .joint_samples import RecordedMotion
 
-__all__ = ["NOISE_KNOWN", "UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
-
 _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 UNKNOWN_LAG = 0.004

@@ -9,8 +9,6 @@ from ..identification.doubt import doubted
 from ..identification.inference.verdict import RIVAL, nearest_rival
 from .torque_lag import TorqueLag
 
-__all__ = ["weigh_rivals", "with_lag_note", "with_offset_note"]
-
 
 def weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:
     """`result`, in doubt where another basin is less likely by no more than independent samples could tell.

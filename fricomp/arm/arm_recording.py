@@ -14,8 +14,6 @@ from fricomp.recording.parts.holds import thin_held_rows
 
 from .instants import place_rows
 
-__all__ = ["ArmPart", "ArmRecording", "find_start_temperature", "join_joints", "require_single"]
-
 _GAP_SAMPLES, _GAP_TIME = 5.0, 0.05
 """A pause of more samples than this, and longer than this [s], ends a part: a spline across it would be a guess."""
 

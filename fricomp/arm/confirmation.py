@@ -24,8 +24,6 @@ from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
 from .search.ripple import RippleSearch
 
-__all__ = ["ConfirmedData", "HeldOutErrors", "fit_plainly", "without_term", "without_terms"]
-
 _PAIRS = 5
 _BLOCKS = 20
 """Blocks that a recording is cut into; a half are ten of them, so that each half meets all of the motion."""

@@ -9,8 +9,6 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording
 
-__all__ = ["find_drive_gain", "take_given_gains", "take_torques"]
-
 _TORQUES = ("N·m", "N")
 
 

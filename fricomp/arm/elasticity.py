@@ -14,8 +14,6 @@ from fricomp.diagnosis.record.result import Quantity
 
 from .identification import ArmIdentification
 
-__all__ = ["measure_stiffness"]
-
 _BLOCKS = 8
 _Z95 = 1.96
 

@@ -37,17 +37,6 @@ from .rows import ArmRows
 
 BoolArray = NDArray[np.bool_]
 
-__all__ = [
-    "N_LAST",
-    "ArmEquations",
-    "BoolArray",
-    "EquationSums",
-    "Weights",
-    "build_equations",
-    "count_columns",
-    "find_reached",
-]
-
 N_LAST = 4
 """Columns behind those of friction: of gravity that leans over along two level axes, the torque's rate, the torque."""
 

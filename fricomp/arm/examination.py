@@ -22,9 +22,6 @@ from .prior import ArmPrior
 from .record import ArmRecord
 from .rigid.simulated_arm import SimulatedArm, read_arm
 
-__all__ = ["ArmExamination", "examine_arm", "match_recordings"]
-
-
 _LEAST_TRAVEL, _LEAST_SHARE = 5e-3, 0.02
 """[rad] or [m], and part of the longest travel of any joint, below which a joint stands still: it sways in its gear or
 against its controller, and its torque may be that of a brake."""

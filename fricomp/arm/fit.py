@@ -22,8 +22,6 @@ from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
 
-__all__ = ["ArmFit", "fit_arm", "measure_pulls"]
-
 _CONVERGED = 1e-8
 """Fall of the objective in a step, as part of it, below which the fit stands still."""
 

@@ -26,8 +26,6 @@ from .friction import TERMS, find_stribeck_exponent
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
 
-__all__ = ["build_friction_model"]
-
 _LEAST_PART = 1e-3
 """Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
 

@@ -17,8 +17,6 @@ from .fit import ArmFit
 from .friction import TERMS, JointForm
 from .prior import ArmPrior
 
-__all__ = ["Glance"]
-
 
 class _Look(NamedTuple):
     """One model at the point of a glance.

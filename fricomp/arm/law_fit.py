@@ -18,8 +18,6 @@ from .friction import column_names
 from .identification import ArmIdentification
 from .rigid.inertia import N_INERTIA
 
-__all__ = ["fit_within_law"]
-
 _LEAST_LEVEL = 1e-3
 """Of the Coulomb level, that a level of one direction has at least: a law has positive levels only."""
 

@@ -22,8 +22,6 @@ from .inputs.track import FloatArray
 from .joint.base import BASE_NAMES, BODY_AND_CURVES
 from .record.result import Diagnosis, NamedEffect, Quantity
 
-__all__ = ["SimulatedJoint", "read_simulated"]
-
 _PARTING = {"offset": 1.0, "forward.coulomb_torque": -1.0, "reverse.coulomb_torque": 1.0}
 """How an offset and the difference of the directions make up for each other while the joint slides."""
 

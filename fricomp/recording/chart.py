@@ -5,8 +5,6 @@ from collections.abc import Mapping
 from fricomp.recording.validity import Samples
 from fricomp.report import Chart, Line, Panel
 
-__all__ = ["channel_chart"]
-
 
 def channel_chart(time: Samples, channels: Mapping[str, Samples], units: Mapping[str, str], joint: str) -> Chart:
     """One panel a channel, one below the other.

@@ -13,8 +13,6 @@ from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.validity import Samples
 from fricomp.whole_file import write_whole
 
-__all__ = ["TOPIC", "write_mcap"]
-
 TOPIC = "/joint_states"
 """The only topic: a message a sample, with an object of numbers for each joint."""
 

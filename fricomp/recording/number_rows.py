@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from fricomp.reading import tell_reading
 
-__all__ = ["read_head", "read_number_rows"]
-
 _LARGE = 1_000_000
 """Size from which a file is read this way [byte]: pyarrow takes a tenth of a second to be imported."""
 _HEAD = 65_536

@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 from fricomp.recording.unit import UNITS
 
-__all__ = ["UNKNOWN_UNIT", "UnitWord", "find_unit_words", "kind_of_unit", "read_unit", "unit_for"]
-
 UNKNOWN_UNIT = "?"
 """Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
 

@@ -15,8 +15,6 @@ from fricomp.recording.named.log import is_native, read_named_log, separate_join
 from fricomp.recording.named.source import is_bag_folder, read_quantity_files
 from fricomp.simulation_file import compile_simulation
 
-__all__ = ["ArmLog", "list_log_files", "read_arm_log"]
-
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
 
 

@@ -26,8 +26,6 @@ from ..rigid.simulated_arm import SimulatedArm
 from .fourier import FourierMotion
 from .limits import SPEED_SHARE, ContactCheck, MotionLimits
 
-__all__ = ["Excitation", "design_excitation"]
-
 _HARMONICS = 5
 _FREQUENCY = 0.1
 """[Hz] of the first harmonic: five of them reach 0.5 Hz, where arms move fast and do not ring."""

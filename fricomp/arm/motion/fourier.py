@@ -14,8 +14,6 @@ import numpy as np
 from fricomp.control import ReferenceState
 from fricomp.laws import FloatArray
 
-__all__ = ["FourierMotion", "ReferenceTable"]
-
 
 @dataclass(frozen=True)
 class FourierMotion:

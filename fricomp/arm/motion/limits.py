@@ -13,8 +13,6 @@ from fricomp.errors import ParameterError, SimulationFileError
 from fricomp.laws import FloatArray
 from fricomp.simulation_file import compile_simulation
 
-__all__ = ["SPEED_SHARE", "ContactCheck", "MotionLimits"]
-
 _POSITION, SPEED_SHARE, _TORQUE = 0.9, 0.5, 0.6
 """Parts of the limits that a motion uses. The rest is for what the controller overshoots, for friction, which nobody
 knows yet, and for a simulation that is wrong."""

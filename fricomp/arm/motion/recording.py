@@ -16,8 +16,6 @@ from fricomp.recording import Recording, RecordingMetadata
 
 from .fourier import FourierMotion, ReferenceTable
 
-__all__ = ["ArmController", "read_positions", "record_excitation"]
-
 _BANDWIDTH = 4.0
 """[Hz] of each joint's loop: well above the motion, below where arms ring."""
 

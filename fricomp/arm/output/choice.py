@@ -29,8 +29,6 @@ from ..prior import ArmPrior
 from ..record import ArmRecord, FileErrors, JointRecord
 from .evaluation import FileTrial, compare_files, hold_out
 
-__all__ = ["WrittenFiles", "add_file_errors", "prepare_files"]
-
 _NEARER = 0.3
 """Part of the prior's deviation that the links of the second choice may depart from the simulation by."""
 

@@ -17,8 +17,6 @@ from ..fit import ArmFit
 from ..friction_model import build_friction_model
 from ..rigid.inertia import can_exist, split_inertia
 
-__all__ = ["correct_simulation"]
-
 _LIGHT = 1e-9
 """[kg] and [kg·m²] of bodies that are fixed to a link, where the link weighs what all of them do."""
 

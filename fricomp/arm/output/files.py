@@ -18,8 +18,6 @@ from .corrected_simulation import correct_simulation
 from .joint_diagnosis import diagnose_joints
 from .page import build_arm_page, draw_arm_charts
 
-__all__ = ["write_arm"]
-
 
 @one_blas_thread()
 def write_arm(examination: ArmExamination, folder: Path, simulation: str | Path, written: WrittenFiles) -> list[Path]:

@@ -13,15 +13,6 @@ from fricomp.results import plain_name
 from ..examination import ArmExamination
 from ..record import ArmRecord
 
-__all__ = [
-    "build_arm_page",
-    "build_file_table",
-    "build_friction_table",
-    "build_joint_table",
-    "build_link_table",
-    "draw_arm_charts",
-]
-
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
 _TO_JOINTS = "Each joint has a page of its own, behind its name: where its mismatch sits, and what the effects explain."
 _MOST_JOINTS = 8

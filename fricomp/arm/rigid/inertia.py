@@ -14,8 +14,6 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["N_INERTIA", "LinkCoordinates", "can_exist", "combine_inertia", "split_inertia", "to_centre"]
-
 N_INERTIA = 10
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _UPPER = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))

@@ -18,8 +18,6 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["BodyMotion", "JointMotion", "move_bodies"]
-
 
 class JointMotion(NamedTuple):
     """Motion of one joint of a model [rad] or [m]. Shapes (n,)."""

@@ -8,8 +8,6 @@ from collections.abc import Mapping, Sequence
 from fricomp.errors import SimulationFileError
 from fricomp.recording.named.column import simplify_joint
 
-__all__ = ["match_joints", "parse_names"]
-
 
 def parse_names(pairs: Sequence[str]) -> dict[str, str]:
     """Names in the simulation by names in the recordings, from RECORDED=SIMULATED, several with commas between.

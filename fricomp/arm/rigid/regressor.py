@@ -16,8 +16,6 @@ from fricomp.laws import FloatArray
 from .inertia import N_INERTIA
 from .simulated_arm import LinkMotion, SimulatedArm
 
-__all__ = ["N_GRAVITY", "Regressors", "compute_mass_matrices", "compute_regressor", "compute_regressors"]
-
 N_GRAVITY = 4
 """Inertial numbers of a link that gravity acts on: its mass and first moments, which come first."""
 

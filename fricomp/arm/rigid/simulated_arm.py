@@ -19,8 +19,6 @@ from .inertia import LinkCoordinates, combine_inertia
 from .kinematics import JointMotion, move_bodies
 from .naming import match_joints
 
-__all__ = ["Follower", "LinkMotion", "SimulatedArm", "read_arm"]
-
 
 class LinkMotion(NamedTuple):
     """How one link moves along a recording, in its own frame about its own origin.

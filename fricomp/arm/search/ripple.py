@@ -11,8 +11,6 @@ from ..fit import ArmFit
 from ..friction import LOWEST_RIPPLE
 from ..rows import ArmRows
 
-__all__ = ["RippleSearch", "propose_ripples"]
-
 _HIGHEST = 400.0
 """Most waves a radian times 2 pi that are looked for: at 1 rad/s they pass at 64 Hz, beyond what is compared."""
 

@@ -20,8 +20,6 @@ from ..glance import Glance
 from ..prior import ArmPrior
 from ..rows import ArmRows
 
-__all__ = ["hold_velocity", "is_curve", "refine_stribeck"]
-
 _ROUNDS = 6
 """Of moving all velocities; each leaves about the square of the distance before."""
 

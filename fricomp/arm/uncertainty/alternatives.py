@@ -19,8 +19,6 @@ from ..identification import LOOK_STEPS, propose_models
 from ..physics import is_physical
 from ..prior import ArmPrior
 
-__all__ = ["SPRING", "Alternatives", "find_alternatives", "list_links_instead"]
-
 SPRING = "spring_torque"
 
 _IMPROBABLE, _NEARLY = -3.0, -6.0

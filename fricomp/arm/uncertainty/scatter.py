@@ -22,8 +22,6 @@ from ..equations import ArmEquations
 from ..fit import ArmFit, measure_pulls
 from ..rows import ArmRows
 
-__all__ = ["widen_covariance"]
-
 _STRETCH = 2.0
 """[s] of a stretch: noise lasts for less, and what friction and links have wrong for about a stroke of the joint."""
 

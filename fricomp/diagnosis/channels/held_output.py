@@ -14,8 +14,6 @@ from ..effects import EFFECTS
 from ..record.result import NamedEffect, Quantity
 from .settings import CHANNELS
 
-__all__ = ["read_held_output"]
-
 
 def read_held_output(recording: Recording) -> tuple[NamedEffect, ...]:
     """Elasticity, with the friction inside, and backlash; nothing where no output is held."""

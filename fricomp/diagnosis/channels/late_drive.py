@@ -14,8 +14,6 @@ from ..samples.drive_path import DrivePath, find_drive_path
 from ..samples.settings import LOOK
 from .settings import CHANNELS
 
-__all__ = ["find_late_drive"]
-
 _OTHER = {"drive_lag": "torque_delay", "torque_delay": "drive_lag"}
 _NUMBER = {"drive_lag": "time_constant", "torque_delay": "delay"}
 

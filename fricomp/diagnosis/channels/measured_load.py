@@ -19,8 +19,6 @@ from ..effects import EFFECTS
 from ..record.result import NamedEffect, Quantity
 from .settings import CHANNELS
 
-__all__ = ["has_several_loads", "read_measured_load"]
-
 _VISCOUS, _SLOPE = 3, 4  # positions of F_v and c among the columns
 
 

@@ -12,8 +12,6 @@ from .late_drive import find_late_drive
 from .measured_load import read_measured_load
 from .torque_sensor import compare_torques
 
-__all__ = ["read_channels", "read_held", "read_loads"]
-
 
 def read_channels(recordings: Sequence[Recording]) -> tuple[NamedEffect, ...]:
     """What command, torque, and the torque of a sensor say of each other; a late drive first."""

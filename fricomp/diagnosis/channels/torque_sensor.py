@@ -8,8 +8,6 @@ from fricomp.recording.checks.torque_causes import TwoTorques, fit_two_torques
 from ..effects import EFFECTS
 from ..record.result import NamedEffect, Quantity
 
-__all__ = ["compare_torques"]
-
 
 def compare_torques(recording: Recording) -> tuple[NamedEffect, ...]:
     """What the sensor says of the motor's torque; nothing where both agree, or where there is no sensor."""

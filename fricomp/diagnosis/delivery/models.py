@@ -30,8 +30,6 @@ from ..record.file_errors import FileErrors, ModelErrors
 from ..record.result import FileSeries
 from .settings import DELIVERY
 
-__all__ = ["Delivery", "deliver_models"]
-
 _GIVEN = ("inertia", "gravity_cosine", "gravity_sine")
 _BASE, _NAMED = "the base model", "the model with what was named"
 

@@ -17,18 +17,6 @@ from .context import Context
 from .forward_part import ForwardPart
 from .settings import EFFECT
 
-__all__ = [
-    "EFFECTS",
-    "Effect",
-    "EffectParameter",
-    "Kind",
-    "Values",
-    "compute_lowest_order",
-    "refuse_long_wave",
-    "register",
-]
-
-
 Kind = Literal["physics", "measurement", "parameter"]
 Values = Mapping[str, float]
 

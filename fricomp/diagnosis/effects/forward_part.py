@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from ..joint.observer import Contribution
 from .two_masses import Coupling
 
-__all__ = ["ForwardPart", "HiddenState"]
-
 
 class HiddenState(ABC):
     """What friction remembers, advanced along the simulated motion."""

@@ -7,9 +7,6 @@ import numpy as np
 from .effect import EffectParameter
 from .settings import EFFECT
 
-__all__ = ["HEATING_TIME", "propose_heating_times"]
-
-
 HEATING_TIME = EffectParameter(
     "time_constant",
     "s",

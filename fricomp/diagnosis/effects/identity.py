@@ -15,8 +15,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ["IDENTITIES", "Identity", "Twin", "find_identity", "find_twin"]
-
 
 class Identity(NamedTuple):
     """Two effects that are one torque, but for gravity and inertia.

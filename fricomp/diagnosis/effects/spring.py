@@ -10,8 +10,6 @@ from fricomp.laws import SpringTorque, Term
 from ..inputs.rigid import Spring
 from ..joint.observer import Plant
 
-__all__ = ["SPRING", "SPRING_CHANGE", "combine_springs"]
-
 SPRING, SPRING_CHANGE = "spring_torque", "spring_stiffness"
 
 

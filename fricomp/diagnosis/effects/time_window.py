@@ -20,8 +20,6 @@ from ..joint.solver import Box, Fit, raise_diagonal
 from .context import Context
 from .settings import EFFECT
 
-__all__ = ["find_time_windows", "shape_push"]
-
 _Mask = NDArray[np.bool_]
 
 

@@ -9,8 +9,6 @@ from ..inputs.track import FloatArray
 from .context import Context
 from .settings import EFFECT
 
-__all__ = ["compute_heat", "compute_losses", "compute_unit_rise", "compute_warming"]
-
 
 def compute_warming(power: FloatArray, dt: float, time_constant: float) -> FloatArray:
     """First-order response to `power`, as a share of what its mean would give in the long run. Shape (n,)."""

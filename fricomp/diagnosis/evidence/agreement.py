@@ -21,8 +21,6 @@ from .alias import is_as_good, list_alternatives, list_printed_rivals
 from .comparison import AGREES, NAMED, Tolerances
 from .settings import AGREEMENT, ALIASES
 
-__all__ = ["prefer_agreeing"]
-
 _BENT = "needs another inertia or gravity than the simulation's"
 
 

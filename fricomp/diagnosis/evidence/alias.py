@@ -11,8 +11,6 @@ from ..search.screening import Screen, orthonormalise
 from ..search.search import SearchResult
 from .settings import ALIASES
 
-__all__ = ["compare_effects", "is_as_good", "list_aliases", "list_alternatives", "list_printed_rivals"]
-
 
 def list_aliases(found: SearchResult, name: str) -> tuple[str, ...]:
     """Effects that could stand in the place of `name` in the best explanation."""

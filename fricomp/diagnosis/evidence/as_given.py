@@ -17,8 +17,6 @@ from ..joint.solver import Fit, minimise
 from ..search.preparation import Baseline
 from .settings import PARAMETERS
 
-__all__ = ["fit_as_given"]
-
 _BODY = ("log_inertia", "gravity_cos", "gravity_sin")
 _RIGID = {
     "inertia_error": ("log_inertia",),

@@ -23,8 +23,6 @@ from .refitted import RefittedJoint
 from .rigid_comparison import compare_rigid
 from .settings import PARAMETERS
 
-__all__ = ["Case", "compare_given", "fit_given", "share_between"]
-
 
 @dataclass(frozen=True)
 class Case:

@@ -11,21 +11,6 @@ from ..joint.observer import Plant
 from ..record.result import Change, Kind, Quantity
 from .settings import PARAMETERS
 
-__all__ = [
-    "AGREES",
-    "NAMED",
-    "PLAIN",
-    "UNEXPLAINED",
-    "Comparison",
-    "Shift",
-    "Tolerances",
-    "compute_body_strays",
-    "compute_inertia_stray",
-    "compute_tolerances",
-    "describe_change",
-    "weigh_hypotheses",
-]
-
 
 @dataclass(frozen=True)
 class Tolerances:

@@ -18,8 +18,6 @@ from .location import locate
 from .overtone import Overtone, find_overtones, is_explained_by_overtone
 from .refitted import RefittedJoint
 
-__all__ = ["EffectEvidence", "measure_effects"]
-
 
 @dataclass(frozen=True)
 class EffectEvidence:

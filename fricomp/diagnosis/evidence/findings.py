@@ -30,8 +30,6 @@ from .settings import GATES, LOCATION
 from .trial import Trial, put_to_trial
 from .velocity_lag import find_velocity_lag
 
-__all__ = ["Findings", "collect_findings", "prefer_simulation"]
-
 
 @dataclass(frozen=True)
 class Findings:

@@ -27,8 +27,6 @@ from .comparison import (
 )
 from .settings import PARAMETERS
 
-__all__ = ["GivenFriction", "compare_friction", "list_friction_changes"]
-
 _FORWARD, _REVERSE = 4, 8
 """Where the curves of the two directions begin among the base's parameters."""
 _VISCOUS = 3

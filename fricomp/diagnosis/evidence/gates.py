@@ -12,8 +12,6 @@ from ..search.tone import Tone, find_tone
 from .confirmation import Confirmation
 from .settings import GATES
 
-__all__ = ["covers", "find_vibration", "is_confirmed", "matters", "measure_left", "stands_out"]
-
 
 def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
     """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""

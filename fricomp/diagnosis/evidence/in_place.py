@@ -22,8 +22,6 @@ from .gates import stands_out
 from .refitted import RefittedJoint
 from .settings import ALIASES, IN_PLACE
 
-__all__ = ["BODY_SHIFTS", "prefer_in_place"]
-
 BODY_SHIFTS = {"inertia_error": 1, "torque_gain_error": 1, "payload_error": 3}
 """Shifts of inertia and gravity, and how many numbers each of them moves."""
 

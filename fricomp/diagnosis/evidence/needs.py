@@ -14,8 +14,6 @@ from ..inputs.track import FloatArray
 from .refitted import RefittedJoint, condition
 from .settings import NEEDS
 
-__all__ = ["find_one_way", "list_objections"]
-
 
 def list_objections(refitted: RefittedJoint) -> dict[str, str]:
     """Say for each effect what speaks against its name; nothing for those that have all that they need.

@@ -14,8 +14,6 @@ from ..search.preparation import Baseline
 from ..search.screening import screen
 from .settings import OVERTONES
 
-__all__ = ["Overtone", "find_overtones", "is_explained_by_overtone"]
-
 
 class Overtone(NamedTuple):
     """What completes the form of a stronger ripple.

@@ -20,8 +20,6 @@ from ..search.preparation import Baseline
 from .confirmation import compute_covariance
 from .settings import PARAMETERS
 
-__all__ = ["SPLIT_BY_PRESLIDING", "RefittedJoint", "condition"]
-
 SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 """Parameters of the base that sliding shows as sums only."""
 

@@ -18,8 +18,6 @@ from .comparison import (
 )
 from .settings import PARAMETERS
 
-__all__ = ["compare_rigid"]
-
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 
 

@@ -18,8 +18,6 @@ from .refitted import RefittedJoint
 from .repetition import Repetitions, repeat_choice
 from .settings import NEEDS
 
-__all__ = ["Trial", "put_to_trial"]
-
 
 @dataclass(frozen=True)
 class Trial:

@@ -14,8 +14,6 @@ from ..record.result import Quantity
 from .refitted import RefittedJoint
 from .settings import UNDETERMINED
 
-__all__ = ["list_undetermined"]
-
 _LARGEST = 100.0
 """Logarithm of a factor from which on it is without end."""
 

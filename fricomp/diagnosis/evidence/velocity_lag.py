@@ -15,8 +15,6 @@ from ..record.result import Quantity
 from .comparison import Shift
 from .settings import VELOCITY
 
-__all__ = ["find_velocity_lag"]
-
 
 def find_velocity_lag(recordings: Sequence[Recording]) -> Shift | None:
     """The shift `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""

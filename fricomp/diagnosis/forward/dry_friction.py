@@ -8,9 +8,6 @@ from math import copysign, exp, sqrt
 from ..joint.observer import Plant
 from .settings import FORWARD
 
-__all__ = ["DryFriction", "FrictionCurve", "build_dry_friction", "compute_bristle_rate"]
-
-
 _LEAST_FALL = exp(-FORWARD.fallen)
 
 

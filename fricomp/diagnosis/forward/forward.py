@@ -25,8 +25,6 @@ from ..search.preparation import Baseline
 from .forward_joint import Run, simulate_forward
 from .settings import FORWARD
 
-__all__ = ["add_spring", "measure_forward_error"]
-
 
 def measure_forward_error(
     recording: Recording, baseline: Baseline, chosen: Explanation | None, controller: Controller

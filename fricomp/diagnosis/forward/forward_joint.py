@@ -25,8 +25,6 @@ from .dry_friction import FrictionCurve, build_dry_friction, compute_bristle_rat
 from .forward_loop import Drive, Loop
 from .settings import FORWARD
 
-__all__ = ["Run", "simulate_forward"]
-
 _XML = """<mujoco><option timestep="{step}" gravity="0 0 0" integrator="implicitfast"/><worldbody><body>
 <inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
 <joint type="{kind}" axis="0 0 1" armature="{motor}" frictionloss="1e-9"

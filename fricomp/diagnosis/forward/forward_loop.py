@@ -9,8 +9,6 @@ import numpy as np
 from ..inputs.controller import Controller
 from ..inputs.track import FloatArray, Track
 
-__all__ = ["Drive", "Loop"]
-
 
 class Loop:
     """The controller with its state: the last position, the filtered velocity, the integral, and its answer."""

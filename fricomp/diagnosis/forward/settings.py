@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["FORWARD", "ForwardSettings"]
-
 
 @dataclass(frozen=True)
 class ForwardSettings:

@@ -14,17 +14,6 @@ from fricomp.recording.parts.parts import UsableParts, find_usable_parts
 
 from .track import FloatArray
 
-__all__ = [
-    "PART_OF",
-    "Usable",
-    "inertia_against",
-    "kind_against",
-    "name_parts",
-    "reasons_against",
-    "remarks_on",
-    "take_usable",
-]
-
 PART_OF = "part_of"
 """Key of a part's metadata for the number of the recording that it is of, counted from 0."""
 

@@ -19,8 +19,6 @@ from .left_out import fit_without_blocks
 from .settings import INPUT
 from .signal import FloatArray, differentiate
 
-__all__ = ["Controller", "compute_answer", "estimate_controller", "read_controller", "read_told_torque"]
-
 
 @dataclass(frozen=True)
 class Controller:

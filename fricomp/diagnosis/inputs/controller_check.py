@@ -12,8 +12,6 @@ from fricomp.recording import Recording
 from .controller import Controller, compute_answer, estimate_controller, read_told_torque
 from .settings import INPUT
 
-__all__ = ["check_controller"]
-
 
 def check_controller(controller: Controller, recordings: Sequence[Recording]) -> list[str]:
     """List what speaks against a given loop, with its gains and those that the recording shows; empty where nothing

@@ -7,8 +7,6 @@ from scipy.signal import lfilter
 
 from .track import FloatArray
 
-__all__ = ["apply_lags", "shift", "undo_lags"]
-
 
 def shift(values: FloatArray, samples: float) -> FloatArray:
     """Return `values` as they will be `samples` later, which undoes a delay. Interpolation is linear; the ends are

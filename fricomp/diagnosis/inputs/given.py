@@ -16,8 +16,6 @@ from .controller import Controller, estimate_controller
 from .controller_check import check_controller
 from .rigid import RigidJoint, read_simulation
 
-__all__ = ["Given", "read_given"]
-
 
 @dataclass(frozen=True)
 class Given:

@@ -9,8 +9,6 @@ from fricomp.recording.checks.torque_causes import find_delay, fit_joint
 
 from .settings import INPUT
 
-__all__ = ["find_late_action"]
-
 
 def find_late_action(recordings: Sequence[Recording], usual: float) -> float:
     """How long after its stamp the torque of these recordings may act [s]; 0 where that is usual.

@@ -9,8 +9,6 @@ import numpy as np
 
 from .signal import FloatArray
 
-__all__ = ["fit_without_blocks"]
-
 
 def fit_without_blocks(
     table: FloatArray, target: FloatArray, blocks: int, *, rcond: float, gap: tuple[int, int] = (0, 0)

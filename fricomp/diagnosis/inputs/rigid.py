@@ -13,8 +13,6 @@ from fricomp.simulation_file import compile_simulation
 
 from .track import FloatArray
 
-__all__ = ["RigidJoint", "Spring", "read_simulation"]
-
 
 @dataclass(frozen=True)
 class Spring:

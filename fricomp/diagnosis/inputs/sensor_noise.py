@@ -19,8 +19,6 @@ from .track import (
     measure_torque_noise,
 )
 
-__all__ = ["SensorNoise", "add_sensor_noise", "measure_sensor_noise"]
-
 
 @dataclass(frozen=True)
 class SensorNoise:

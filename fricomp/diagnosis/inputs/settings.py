@@ -7,8 +7,6 @@ from math import sqrt
 
 import numpy as np
 
-__all__ = ["INPUT", "InputSettings"]
-
 
 @dataclass(frozen=True)
 class InputSettings:

@@ -8,8 +8,6 @@ from scipy.signal import savgol_filter
 
 from .settings import INPUT
 
-__all__ = ["FloatArray", "differentiate"]
-
 FloatArray = NDArray[np.float64]
 
 

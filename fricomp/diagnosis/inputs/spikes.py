@@ -10,8 +10,6 @@ from fricomp.recording.parts.kicks import find_answered_kicks
 from .settings import INPUT
 from .signal import FloatArray
 
-__all__ = ["remove_spikes", "take_out_spikes"]
-
 
 def remove_spikes(torque: FloatArray, noise: float, position: FloatArray, dt: float) -> FloatArray:
     """Put samples that stand out from their neighbours' median back on it, where the joint does not answer them.

@@ -8,8 +8,6 @@ from scipy.ndimage import maximum_filter1d
 from .settings import INPUT
 from .signal import FloatArray
 
-__all__ = ["measure_unrest"]
-
 
 def measure_unrest(torque: FloatArray, velocity: FloatArray, dt: float) -> FloatArray:
     """Measure by how much more a torque jumps from sample to sample than it usually does, at least 1. Shape (n,).

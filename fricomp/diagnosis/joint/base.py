@@ -12,18 +12,6 @@ from .observer import Plant
 from .settings import JOINT
 from .solver import Box
 
-__all__ = [
-    "BASE_NAMES",
-    "BODY_AND_CURVES",
-    "BaseModel",
-    "align_falls",
-    "even_directions",
-    "is_at_earliest",
-    "is_at_latest",
-    "pack",
-    "unpack",
-]
-
 BASE_NAMES = (
     "log_inertia",
     "gravity_cos",

@@ -13,8 +13,6 @@ from .problem import Problem
 from .settings import JOINT
 from .solver import Box, Fit, Race, descend, minimise, run_together, split_evaluation
 
-__all__ = ["fit_base", "fit_creep", "is_loud", "propose_creep_starts", "try_other_bristle"]
-
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
 _SHARPNESS = BASE_NAMES.index("sharpness")

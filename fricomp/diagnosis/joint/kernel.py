@@ -31,14 +31,6 @@ try:
 except ImportError as error:  # pragma: no cover - depends on the installation
     raise MissingExtraError("numba", "diagnose") from error
 
-__all__ = [
-    "FRICTION_SLOTS",
-    "LANES",
-    "close_loop",
-    "compile_kernel",
-    "observe",
-]
-
 _F = TypeVar("_F", bound="Callable[..., Any]")
 
 # Order of the plant's numbers in the array that the kernel takes.

@@ -28,8 +28,6 @@ from ..inputs.track import (
 )
 from .settings import JOINT
 
-__all__ = ["build_tracks", "has_low_rate"]
-
 _CHANNELS = ("load_torque", "temperature", "position_reference", "torque_command", "current")
 
 

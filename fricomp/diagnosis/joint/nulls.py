@@ -19,8 +19,6 @@ from .problem import Problem, Weights, improve_track
 from .settings import JOINT
 from .step_answer import StepAnswer, simulate_step_answers
 
-__all__ = ["Nulls", "compute_row_spread", "make_nulls"]
-
 
 @dataclass(frozen=True)
 class Nulls:

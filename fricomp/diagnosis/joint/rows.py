@@ -9,8 +9,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ..inputs.track import FloatArray, Track
 
-__all__ = ["RowGrid"]
-
 
 @dataclass(frozen=True)
 class RowGrid:

@@ -10,8 +10,6 @@ from scipy.ndimage import median_filter
 from ..inputs.track import FloatArray
 from .settings import JOINT
 
-__all__ = ["estimate_floor", "is_structured"]
-
 
 def is_structured(ours: FloatArray, theirs: Sequence[FloatArray]) -> bool:
     """Tell whether rows have a line, or a peak between quieter frequencies, which no null comes near.

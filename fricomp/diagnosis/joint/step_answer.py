@@ -15,8 +15,6 @@ from .kernel import LANES, close_loop
 from .observer import Job, Observation, broadcast_level, choose_lanes, compute_torque, stack_plants
 from .settings import JOINT
 
-__all__ = ["StepAnswer", "simulate_step_answers"]
-
 
 class StepAnswer(NamedTuple):
     """One joint under a loop that sees its position in steps.

@@ -16,8 +16,6 @@ from ..inputs.track import FloatArray
 from .held_out import Fitted
 from .settings import LOW_RATE
 
-__all__ = ["Candidate", "find_highest_order", "list_candidates", "replace_delay", "write_plain_model"]
-
 
 @dataclass(frozen=True)
 class Candidate:

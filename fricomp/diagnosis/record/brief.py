@@ -7,8 +7,6 @@ from typing import Final
 
 from .result import FRICTION_CHANGES, DiagnosisRecord, NamedEffect, VerdictName
 
-__all__ = ["write_summary"]
-
 _TO_DO: Final[dict[VerdictName, str]] = {
     "consistent": "take the friction from friction.json. What this motion does not excite, it does not show.",
     "parameters": "take the refitted values over into the simulation.",

@@ -6,8 +6,6 @@ import msgspec
 
 from fricomp.evaluation.result import PositionError, TorqueError
 
-__all__ = ["FileErrors", "ModelErrors"]
-
 
 class ModelErrors(msgspec.Struct, frozen=True, kw_only=True):
     """Errors of one model.

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from fricomp.report import Chart
 
-__all__ = ["DiagnosisOverview"]
-
 _REACH = 1.96
 """Half width of a 95 % interval in standard deviations [1]."""
 

@@ -15,8 +15,6 @@ from fricomp.whole_file import write_whole
 
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 
-__all__ = ["diagnosis_json_schema", "load_diagnosis", "save_diagnosis"]
-
 
 def diagnosis_json_schema() -> dict[str, Any]:
     """The JSON schema of `diagnosis.json`; `docs/diagnosis.schema.json` holds it too."""

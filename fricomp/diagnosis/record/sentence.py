@@ -16,24 +16,6 @@ from .file_errors import FileErrors, ModelErrors
 from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
 from .whereabouts import describe_whereabouts, list_whereabouts
 
-__all__ = [
-    "FOREIGN_CURVE",
-    "LAWLESS",
-    "LITTLE_LEFT",
-    "NOTHING_BUT_SHARED",
-    "NO_MOTION",
-    "Notes",
-    "describe_base",
-    "describe_detent",
-    "describe_errors",
-    "describe_forward",
-    "describe_parameter",
-    "describe_rest",
-    "describe_trace",
-    "write_record",
-    "write_sentences",
-]
-
 NO_MOTION = (
     "No motion of those that were tried would tell them apart within the range and speed of this recording: another "
     "load, a wider range or a sensor of the load would have to."

@@ -28,8 +28,6 @@ from .network import save_extended_network
 from .over_time import list_motion_columns
 from .page import build_diagnosis_page, draw_diagnosis_charts
 
-__all__ = ["WrittenDiagnosis", "write_diagnosis"]
-
 _WRITTEN = (SPRING_CHANGE, *FRICTION_CHANGES)  # changes that the written model holds
 _MECHANICAL = {"rotary": "N·m", "linear": "N"}
 

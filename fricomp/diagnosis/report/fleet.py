@@ -16,8 +16,6 @@ from ..record.result import DiagnosisRecord
 from .settings import REPORT
 from .wording import VERDICT_TITLES
 
-__all__ = ["build_fleet_row", "build_fleet_table", "write_fleet"]
-
 _Row = Mapping[str, Any]
 
 

@@ -14,8 +14,6 @@ from .over_time import AFTER, BEFORE, NOISE
 from .settings import REPORT
 from .wording import AXIS_TITLES, Units, describe_name
 
-__all__ = ["draw_map_chart", "draw_plane_chart"]
-
 _ORDER = ("velocity", "position", "load_torque", "time_since_reversal", "temperature", "acceleration", "time")
 
 

@@ -15,8 +15,6 @@ from fricomp.model import FrictionModel
 
 from .settings import REPORT
 
-__all__ = ["save_extended_network"]
-
 _PLAIN = ("velocity", "normal_load")  # inputs of a network
 
 

@@ -13,20 +13,6 @@ from ..record.result import DiagnosisRecord, FileSeries, RowSeries
 from .settings import REPORT
 from .wording import Units, describe_name
 
-__all__ = [
-    "AFTER",
-    "AS_GIVEN",
-    "BASE",
-    "BEFORE",
-    "NAMED",
-    "NOISE",
-    "draw_error_chart",
-    "draw_motion_chart",
-    "draw_time_chart",
-    "list_motion_columns",
-    "name_models",
-]
-
 BEFORE, AFTER, NOISE = 1, 0, 6
 """Colours of the base model, of the extended model and of the noise, in every chart."""
 

@@ -28,8 +28,6 @@ from .tables import (
 from .weighing import build_rival_table, draw_distinguishability, draw_order_chart, draw_rival_chart
 from .wording import VERDICT_TITLES, Units, describe_next_step
 
-__all__ = ["build_diagnosis_page", "draw_diagnosis_charts"]
-
 
 def draw_diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     """Every chart that the evidence allows, by name."""

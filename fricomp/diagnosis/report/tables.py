@@ -17,17 +17,6 @@ from .wording import (
     format_quantity,
 )
 
-__all__ = [
-    "build_base_table",
-    "build_brief_effect_table",
-    "build_change_table",
-    "build_effect_table",
-    "build_error_table",
-    "build_forward_table",
-    "build_location_table",
-    "build_residual_table",
-]
-
 _BASE = f"{BASE}: rigid joint and friction, refitted"
 
 

@@ -14,8 +14,6 @@ from .over_time import AFTER, BASE, BEFORE, NAMED, NOISE
 from .settings import REPORT
 from .wording import Units
 
-__all__ = ["build_rival_table", "draw_distinguishability", "draw_order_chart", "draw_rival_chart"]
-
 _ACCEPTED, _ALIKE, _REFUSED = "named", "cannot be told from what was named", "refused"
 _OUTCOME_COLORS = {_ACCEPTED: AFTER, _ALIKE: 5, _REFUSED: NOISE}
 

@@ -14,20 +14,6 @@ from ..record.result import Diagnosis, DiagnosisRecord, Location, NamedEffect, Q
 from ..record.sentence import describe_parameter
 from .settings import REPORT
 
-__all__ = [
-    "AXIS_TITLES",
-    "VERDICT_TITLES",
-    "Units",
-    "derive_parameters",
-    "describe_name",
-    "describe_next_step",
-    "format_interval",
-    "format_location",
-    "format_number",
-    "format_quantity",
-]
-
-
 VERDICT_TITLES = {
     "consistent": "nothing is missing",
     "parameters": "parameters are off, no physics is missing",

@@ -18,9 +18,6 @@ from ..inputs.track import FloatArray
 from .fine_ripple import predict_left_out_blocks
 from .settings import DRIVE
 
-__all__ = ["DrivePath", "find_drive_path"]
-
-
 _Late = Callable[[FloatArray, float], FloatArray]
 
 

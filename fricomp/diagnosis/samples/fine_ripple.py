@@ -19,15 +19,6 @@ from ..inputs.left_out import fit_without_blocks
 from ..inputs.track import FloatArray
 from .settings import RIPPLE
 
-__all__ = [
-    "FineRipple",
-    "Harmonic",
-    "compute_spectrum",
-    "find_fine_ripple",
-    "measure_fall",
-    "predict_left_out_blocks",
-]
-
 
 @dataclass(frozen=True)
 class Harmonic:

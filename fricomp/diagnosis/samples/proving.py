@@ -19,8 +19,6 @@ from .fine_ripple import FineRipple, measure_fall
 from .settings import LOOK, RIPPLE
 from .soft_presliding import SoftPresliding, find_soft_presliding, simulate_bristle
 
-__all__ = ["is_beyond_the_base", "is_softer_than_the_base", "simulate_base"]
-
 
 def simulate_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> Recording:
     """The recording as the fitted base alone would have given it, with the recording's own noise.

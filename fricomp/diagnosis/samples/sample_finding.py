@@ -20,9 +20,6 @@ from .fine_ripple import FineRipple, Harmonic
 from .settings import LOOK
 from .soft_presliding import SoftPresliding
 
-__all__ = ["SampleFinding", "compute_held_out", "describe_drive_path", "describe_presliding", "describe_ripple"]
-
-
 _STEP = 0.6745 * float(np.sqrt(2.0))
 """Median size of the difference of two numbers from one normal distribution, over its standard deviation."""
 

@@ -22,8 +22,6 @@ from .sample_finding import SampleFinding, describe_drive_path, describe_preslid
 from .settings import LOOK
 from .soft_presliding import SoftPresliding, find_soft_presliding
 
-__all__ = ["look_into_samples", "remove_ripple"]
-
 
 def look_into_samples(findings: Findings) -> SampleFinding | None:
     """Look for what the rows cannot show, as far as they leave it open; None where nothing is found.

@@ -8,17 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = [
-    "DRIVE",
-    "LOOK",
-    "PRESLIDING",
-    "RIPPLE",
-    "DriveSettings",
-    "LookSettings",
-    "PreslidingSettings",
-    "RippleSettings",
-]
-
 
 @dataclass(frozen=True)
 class LookSettings:

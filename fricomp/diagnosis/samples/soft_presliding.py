@@ -19,8 +19,6 @@ from ..joint.kernel import compile_kernel
 from .fine_ripple import predict_left_out_blocks
 from .settings import PRESLIDING
 
-__all__ = ["SoftPresliding", "find_soft_presliding", "simulate_bristle"]
-
 
 @dataclass(frozen=True)
 class SoftPresliding:

@@ -11,8 +11,6 @@ from .explanation import Explanation, compute_evidence
 from .preparation import Baseline
 from .settings import SEARCH
 
-__all__ = ["choose", "rank_acceptable", "select_finalists"]
-
 
 def rank_acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     """Rank the explanations that are physical and stand out, best first."""

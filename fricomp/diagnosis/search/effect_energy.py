@@ -15,8 +15,6 @@ from ..joint.rows import RowGrid
 from .preparation import Baseline
 from .settings import SEARCH
 
-__all__ = ["compute_effect_energy"]
-
 
 def compute_effect_energy(
     baseline: Baseline, structure: Structure, theta: FloatArray, names: Collection[str]

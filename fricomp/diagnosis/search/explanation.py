@@ -18,8 +18,6 @@ from .preparation import Baseline
 from .screening import orthonormalise, project_out
 from .settings import SEARCH
 
-__all__ = ["Explanation", "compute_evidence", "compute_spread_excess", "curb", "find_refusal", "judge"]
-
 
 @dataclass(frozen=True, eq=False)
 class Explanation:

@@ -12,8 +12,6 @@ from ..joint.problem import Problem
 from ..joint.solver import Fit
 from .settings import SEARCH
 
-__all__ = ["describe_first_look"]
-
 
 class _Part(NamedTuple):
     """A part of the rows: the share of the excess in it, and where it is."""

@@ -10,8 +10,6 @@ from ..effects import Context
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 
-__all__ = ["build_generic_rows", "measure_time_since_reversal"]
-
 _BINS = {"velocity": 7, "position": 8, "acceleration": 5, "load": 5, "reversal": 6, "time": 10, "level": 6, "slow": 4}
 """Knots of each spline. More of them explain noise, fewer miss what no effect says."""
 

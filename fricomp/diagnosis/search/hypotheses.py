@@ -16,8 +16,6 @@ from ..joint.problem import Problem
 from .screening import project_out
 from .settings import SEARCH
 
-__all__ = ["narrow_starts"]
-
 _Values = tuple[float, ...]
 _Mask = NDArray[np.bool_]
 

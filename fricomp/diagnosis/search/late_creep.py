@@ -10,8 +10,6 @@ from .refit import fit_from
 from .search import SearchResult
 from .settings import SEARCH
 
-__all__ = ["has_late_creep"]
-
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 

@@ -11,8 +11,6 @@ from .refit import fit_from, rebuild_contexts
 from .search import SearchResult
 from .settings import SEARCH
 
-__all__ = ["remeasure_noise"]
-
 
 def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Baseline | None:
     """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, or no

@@ -10,8 +10,6 @@ from ..joint.base_fit import fit_base, is_loud
 from .preparation import Baseline
 from .settings import SEARCH
 
-__all__ = ["measure_late_torque"]
-
 _DELAY = BASE_NAMES.index("delay")
 
 

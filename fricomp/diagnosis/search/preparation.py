@@ -32,8 +32,6 @@ from .order import find_orders
 from .screening import orthonormalise, project_out
 from .settings import SEARCH
 
-__all__ = ["Baseline", "build_structure", "find_top_speed", "prepare", "weigh_by_nulls"]
-
 
 @dataclass(frozen=True)
 class Baseline:

@@ -17,8 +17,6 @@ from .explanation import Explanation, judge
 from .preparation import Baseline
 from .settings import SEARCH
 
-__all__ = ["compute_preference", "fit_from", "polish", "rebuild_contexts", "refit"]
-
 
 def refit(
     baseline: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]

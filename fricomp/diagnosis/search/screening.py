@@ -14,8 +14,6 @@ from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 from .settings import SEARCH
 
-__all__ = ["Column", "Screen", "list_candidates", "orthonormalise", "project_out", "screen"]
-
 
 @dataclass(frozen=True)
 class Column:

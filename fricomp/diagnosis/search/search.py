@@ -22,8 +22,6 @@ from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .simulated_body import hold, move_to
 
-__all__ = ["SearchResult", "search"]
-
 
 @dataclass(frozen=True)
 class SearchResult:

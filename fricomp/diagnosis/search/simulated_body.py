@@ -13,8 +13,6 @@ from ..inputs.track import FloatArray
 from ..joint.solver import Box
 from .settings import SEARCH
 
-__all__ = ["hold", "move_to"]
-
 
 def move_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:
     """The base `theta` with the log inertia and gravity of `body`, shape (3,), and the same mean torque. Shape (p,).

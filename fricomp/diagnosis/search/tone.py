@@ -11,8 +11,6 @@ from ..inputs.track import FloatArray
 from .preparation import Baseline
 from .settings import SEARCH
 
-__all__ = ["Tone", "find_tone"]
-
 
 class Tone(NamedTuple):
     """The strongest line above the frequencies of the motion.

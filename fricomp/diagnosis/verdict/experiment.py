@@ -31,8 +31,6 @@ from ..search.simulated_body import hold
 from .motion import MENU, Range
 from .settings import EXPERIMENT
 
-__all__ = ["Proposal", "propose_experiment", "propose_motion"]
-
 
 class Proposal(NamedTuple):
     """A motion and what it would tell.

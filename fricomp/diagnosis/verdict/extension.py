@@ -22,8 +22,6 @@ from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from .settings import VERDICT
 
-__all__ = ["write_base_model", "write_extended_model"]
-
 _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 

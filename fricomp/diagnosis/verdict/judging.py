@@ -13,8 +13,6 @@ from .rivals import list_rivals, list_sample_rivals
 from .settings import VERDICT
 from .shared_effect import SharedEffects, SimulationEffects, share_effects
 
-__all__ = ["Verdict", "choose_verdict", "describe_repetitions", "join_channels", "judge", "judge_beside"]
-
 
 @dataclass(frozen=True)
 class Verdict:

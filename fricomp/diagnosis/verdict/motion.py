@@ -10,8 +10,6 @@ import numpy as np
 from ..inputs.track import FloatArray
 from .settings import EXPERIMENT
 
-__all__ = ["MENU", "Range"]
-
 
 class Range(NamedTuple):
     """Where the recorded joint has been: the motions stay inside.

@@ -16,16 +16,6 @@ from ..inputs.rigid import Spring
 from ..record.result import Change, Kind, Location, NamedEffect, Quantity
 from ..samples.sample_finding import SampleFinding
 
-__all__ = [
-    "SpringWords",
-    "comes_again",
-    "compare_spring",
-    "describe_spring",
-    "name_effects",
-    "name_late_action",
-    "name_sample",
-]
-
 _GAIN = "torque_gain_error"
 _NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
 

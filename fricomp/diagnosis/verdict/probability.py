@@ -9,8 +9,6 @@ from ..record.result import NamedEffect
 from ..samples.sample_finding import SampleFinding
 from .settings import PROBABILITY
 
-__all__ = ["NOTHING", "UNKNOWN", "compute_probability", "list_probabilities"]
-
 NOTHING, UNKNOWN = "nothing", "unknown"
 """Keys beside the names of effects."""
 

@@ -12,8 +12,6 @@ from ..record.sentence import FOREIGN_CURVE
 from ..search.explanation import Explanation
 from .settings import VERDICT
 
-__all__ = ["list_rivals", "list_sample_rivals"]
-
 
 def list_rivals(findings: Findings) -> tuple[Rival, ...]:
     """List what the search weighed, best first."""

@@ -5,17 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-__all__ = [
-    "EXPERIMENT",
-    "PROBABILITY",
-    "SHARING",
-    "VERDICT",
-    "ExperimentSettings",
-    "ProbabilitySettings",
-    "SharingSettings",
-    "VerdictSettings",
-]
-
 
 @dataclass(frozen=True)
 class VerdictSettings:

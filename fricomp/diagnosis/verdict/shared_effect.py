@@ -11,8 +11,6 @@ from msgspec.structs import replace
 from ..record.result import Kind, NamedEffect, Quantity
 from .settings import SHARING
 
-__all__ = ["SharedEffects", "SimulationEffects", "share_effects"]
-
 _WAVES = ("sine", "cosine")  # a phase has no size, and two encoders start at different angles
 
 

@@ -40,8 +40,6 @@ from .extension import write_base_model, write_extended_model
 from .judging import Verdict, choose_verdict
 from .probability import compute_probability, list_probabilities
 
-__all__ = ["write_diagnosis", "write_read_off", "write_refusal"]
-
 
 def write_diagnosis(
     findings: Findings,

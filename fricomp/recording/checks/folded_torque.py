@@ -10,8 +10,6 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples
 
-__all__ = ["find_fold", "find_folded_torque", "unfold"]
-
 _BITS = (8, 10, 12, 14, 16, 24, 32)
 """Lengths of registers."""
 _FILLED = 0.98

@@ -4,8 +4,6 @@ from fricomp.recording.checks.torque_causes import fit_two_torques
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
-__all__ = ["find_torque_gain"]
-
 
 def find_torque_gain(recording: Recording) -> tuple[Finding, ...]:
     """A motor torque that is not what the sensor measures, beside the inertia and the friction between both."""

@@ -30,8 +30,6 @@ from fricomp.recording.validity import Samples
 
 from .unnamed import Guess, GuessedJoint, guess_columns, render_guess
 
-__all__ = ["InspectedColumn", "Inspection", "inspect_log"]
-
 
 @dataclass(frozen=True)
 class InspectedColumn:

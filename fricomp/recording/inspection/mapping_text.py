@@ -12,9 +12,6 @@ from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
 
-__all__ = ["describe_source", "render_column", "render_mapping"]
-
-
 _ENCODER = "# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"
 
 

@@ -24,8 +24,6 @@ from fricomp.recording.validity import Samples
 
 from .mapping_text import describe_source, render_column
 
-__all__ = ["Guess", "GuessedJoint", "guess_columns", "render_guess"]
-
 _EVENLY = 0.95
 """Part of the steps of a time that are above zero."""
 _FOLLOWS = 0.9

@@ -15,8 +15,6 @@ from fricomp.recording.validity import Samples
 from .column import ColumnMeaning, name_joint, read_column_name, read_column_unit, simplify_joint
 from .vendor import with_vendor_unit
 
-__all__ = ["INTEGRAL", "TORQUES", "Chosen", "choose_columns", "list_names"]
-
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
 """Column and its meaning, by what is left of the column's name for the joint, and by channel."""
 _Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]

@@ -17,8 +17,6 @@ from fricomp.recording.validity import Samples
 from .choice import list_names
 from .column import read_column_name
 
-__all__ = ["NANOSECONDS", "RowTimes", "find_stamps", "read_times", "says_steps"]
-
 _UNIT = r"(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|с|сек|мс|мкс)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
 """Words that say whose clock it is, or since when it counts."""

@@ -9,16 +9,6 @@ from fricomp.recording.quantity_word import TOKEN, WORDS, split_words
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
-__all__ = [
-    "RAW_UNIT",
-    "ColumnMeaning",
-    "name_joint",
-    "read_column_name",
-    "read_column_unit",
-    "says_asked_for",
-    "simplify_joint",
-]
-
 _WANTED: tuple[str, ...] = (
     *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired", "target", "goal"),
     *("setpoint", "soll", "set", "demand", "demanded", "consigne"),

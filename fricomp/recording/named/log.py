@@ -26,8 +26,6 @@ from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name, read_
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
 
-__all__ = ["NamedLog", "are_counts", "is_native", "read_named_log", "separate_joints"]
-
 _GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
 _FOLLOWS = 0.9

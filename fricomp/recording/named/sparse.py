@@ -8,8 +8,6 @@ import numpy as np
 
 from fricomp.recording.validity import Samples
 
-__all__ = ["join_sparse"]
-
 _TOGETHER = 0.5
 """Part of the rarer channel's rows that have the position as well, from which on the rows are those of one table."""
 _FEWEST = 50

@@ -11,8 +11,6 @@ from fricomp.recording.parts.parts import UsableParts
 from fricomp.recording.recording import Recording
 from fricomp.report import Chart, Line, Panel, Points, Table
 
-__all__ = ["build_data_table", "draw_data_chart", "find_used_rows"]
-
 _MOST_SHOWN = 6000
 """Rows of a chart; more lie on each other."""
 _ROOM = 0.15

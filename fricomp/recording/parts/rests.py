@@ -6,8 +6,6 @@ from numpy.typing import NDArray
 from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.recording import Recording
 
-__all__ = ["find_rests", "locate_rests"]
-
 _LONGEST = 15.0
 """Rest that is kept whole [s]; breakaway after some seconds of dwell is friction too."""
 _KEPT = 2.0

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from fricomp.errors import RecordingError
 
-__all__ = ["refuse_frames"]
-
 _FRAME = re.compile(
     r"^\s*(?:\(?[\d.: -]+\)?\s+)?\w*can\w*\s+[0-9A-F]{3,8}(?:#{1,2}[0-9A-F]*|\s+(?:\[\d+\]\s+)?(?:[0-9A-F]{2}\s*)+)$"
     r"|^\s*[\d.]+\s+\d+\s+[0-9A-F]{3,8}x?\s+(?:Rx|Tx)\s+d\s+\d",

@@ -10,8 +10,6 @@ from fricomp.recording.unit_word import read_unit
 
 from .text_layout import FIRST_LINES, parse_number
 
-__all__ = ["tabulate_labelled"]
-
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _LETTER = "A-Za-zµ°%·/²^*"
 _LABELLED = re.compile(

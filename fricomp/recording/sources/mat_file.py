@@ -15,8 +15,6 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.sources.columns import Columns, flatten_arrays, flatten_structures
 
-__all__ = ["read_variables"]
-
 _CHILD = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1])\n"
     "from fricomp.recording.sources.mat_file import _write_variables; _write_variables(sys.argv[2])"

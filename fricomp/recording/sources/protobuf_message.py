@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["read_stamped_message"]
-
 _NAMES = ("name", "names", "joint_names")
 """Fields of texts that name the entries of the lists beside them, as in a `JointState`."""
 _STAMP, _SPAN = "google.protobuf.Timestamp", "google.protobuf.Duration"

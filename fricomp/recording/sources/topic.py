@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from fricomp.errors import RecordingError
 from fricomp.recording.sources.columns import Columns, columns_of_records
 
-__all__ = ["Topic", "join_topics"]
-
 _GAP = 5.0
 """Usual distances of two messages beyond which a topic says nothing of the time between them."""
 
