@@ -12,7 +12,7 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.torque_causes import fit_joint
-from fricomp.recording.named.clock import find_stamps
+from fricomp.recording.named.clock import TIME_UNITS, find_stamps
 from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.recording import Recording
@@ -43,7 +43,6 @@ _SAME = 0.995
 _MOST_TRIED = 8
 """Columns of which each is tried as the position where none is the rate of another one."""
 _NANOSECONDS = 1e9
-_TIME_STEPS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"))
 
 
 class GuessedJoint(NamedTuple):
@@ -108,8 +107,8 @@ def _find_time(columns: Mapping[str, Samples]) -> tuple[str, str, Samples, str]:
     for name, values in columns.items():
         if _is_time(values) and not (_counts_rows(values) and _says_other(name)):
             step = float(np.median(np.diff(values)))
-            unit = next((one for most, one in _TIME_STEPS if step <= most), "ns")
-            return name, unit, (values - values[0]) * {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], ""
+            unit = next(one for most, one in TIME_UNITS if step <= most)
+            return name, unit, (values - values[0]) * find_unit(unit).factor, ""
     names = list(columns)
     for first, second in pairwise(names):
         whole, part = columns[first], columns[second]

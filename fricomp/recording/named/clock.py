@@ -39,7 +39,7 @@ _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s"
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds)$", re.IGNORECASE)
 _PARTS = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
 """What the rest of a stamp is called, in whose name that of its seconds is changed."""
-_TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
+TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 """Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
 
 _EPOCHS = ((1e9, "s"), (1e12, "ms"), (1e15, "us"), (1e18, "ns"))
@@ -127,9 +127,9 @@ def _guess_unit(stamps: Samples) -> str:
     usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
     step = float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
     for least, one in _EPOCHS:
-        if least <= stamps[0] and stamps[-1] <= 4.0 * least and step * find_unit(one).factor <= _TIME_UNITS[0][0]:
+        if least <= stamps[0] and stamps[-1] <= 4.0 * least and step * find_unit(one).factor <= TIME_UNITS[0][0]:
             return one
-    return "d" if _are_days(stamps, step) else next(one for most, one in _TIME_UNITS if step <= most)
+    return "d" if _are_days(stamps, step) else next(one for most, one in TIME_UNITS if step <= most)
 
 
 def _are_days(stamps: Samples, step: float) -> bool:
