@@ -21,14 +21,10 @@ class LazyGroup(TyperGroup):
     Attributes:
         package: That holds one module a command.
         default: Command that options without a command are meant for; empty for none.
-        renamed: Earlier names of commands, which still work.
-        gone: Earlier names of commands that are gone, each with the sentence that says what to type now.
     """
 
     package: str = ""
     default: str = ""
-    renamed: Mapping[str, str] = {}
-    gone: Mapping[str, str] = {}
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Options without a command go to the default one, where there is one."""
@@ -38,10 +34,6 @@ class LazyGroup(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command that `args` begins with; only its module is imported."""
-        if args and args[0] in self.gone:
-            ctx.fail(self.gone[args[0]])
-        if args and args[0] in self.renamed:
-            args = [*self.renamed[args[0]].split(), *args[1:]]
         name, placeholder, rest = super().resolve_command(ctx, args)
         if name is None or placeholder is None:
             return name, placeholder, rest
@@ -61,8 +53,6 @@ def lazy_app(
     commands: Mapping[str, str],
     *,
     default: str = "",
-    renamed: Mapping[str, str] | None = None,
-    gone: Mapping[str, str] | None = None,
     **settings: Any,
 ) -> typer.Typer:
     """A typer app of the commands in `package` that are installed.
@@ -71,12 +61,9 @@ def lazy_app(
         package: Package that holds one module a command.
         commands: Name to the one line that `--help` shows, in the order of the list.
         default: Command that options without a command are meant for; empty for none.
-        renamed: Earlier names of commands, which still work.
-        gone: Earlier names of commands that are gone, each with the sentence that says what to type now.
         settings: Passed to `typer.Typer`.
     """
-    known = {"package": package, "default": default, "renamed": renamed or {}, "gone": gone or {}}
-    group = type("Group", (LazyGroup,), known)
+    group = type("Group", (LazyGroup,), {"package": package, "default": default})
     app = typer.Typer(cls=group, no_args_is_help=True, **settings)
     for name, summary in commands.items():
         if find_spec(module_name(package, name)) is not None:

@@ -27,11 +27,6 @@ BENCHMARKS = {
 app = lazy_app(
     "fricomp.cli.bench",
     BENCHMARKS,
-    renamed={"mismatch-gap": "mismatch gap", "mismatch-speed-up": "mismatch speed-up"},
-    gone={
-        "mismatch-replay": "type 'fricomp bench mismatch replay docs/proof': the folder in place of a number of a run.",
-        "mismatch-close": "runs are not closed any more: start a new one with 'fricomp bench mismatch run --scored'.",
-    },
     help="Benchmarks: every figure of the documentation, measured again.",
     add_completion=False,
 )

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.cli.bench import app as bench_app
 from fricomp.cli.bench import mismatch
 from fricomp.cli.bench.mismatch import speed_up
 from fricomp.cli.cases import app as cases_app
@@ -113,24 +112,6 @@ def _call(options: list[str]) -> str:
     done = CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
     assert done.exit_code == 0, done.output
     return done.stdout
-
-
-@pytest.mark.parametrize(
-    ("typed", "told"),
-    [
-        (["mismatch-close", "a reason"], "bench mismatch run --scored"),
-        (["mismatch-replay", "27"], "mismatch replay docs/proof"),
-    ],
-)
-def test_a_command_that_is_gone_says_what_to_type_now(typed: list[str], told: str) -> None:
-    done = CliRunner().invoke(bench_app, typed, env={"COLUMNS": "200"})
-    assert done.exit_code == 2
-    assert told in done.output
-
-
-def test_earlier_names_of_commands_still_work() -> None:
-    done = CliRunner().invoke(bench_app, ["mismatch-gap", "--help"], env={"COLUMNS": "200"})
-    assert "bench mismatch gap --cases 24" in done.stdout
 
 
 def test_cases_can_be_made_and_listed(tmp_path: Path) -> None:
