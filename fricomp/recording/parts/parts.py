@@ -27,6 +27,7 @@ from fricomp.recording.resampling import resample
 __all__ = ["SHORTEST_PART", "LeftOut", "UsableParts", "find_usable_parts"]
 
 Rows = NDArray[np.bool_]
+Samples = NDArray[np.float64]
 
 SHORTEST_PART = 1.0
 """Length below which a part is left out: slow and fast motion and a reversal do not fit into it [s]."""
@@ -97,16 +98,44 @@ def find_usable_parts(recording: Recording) -> UsableParts:
 
     What is not mended here, such as a flipped sign, is told by `check_recording` of the parts.
     """
-    changes: list[str] = []
-    whole, wrap = unwrap_position(recording)
-    if wrap is not None and recording.metadata.motion == "rotary" and wrap.period == TURN_IN_DEGREES:
+    unwrapped = _unwrap_position(recording)
+    if unwrapped is None:
         return _leave_whole(recording)  # the checks say what to write: a velocity may be in either unit
-    if wrap is not None:
-        unit = recording.metadata.position_unit
-        changes.append(f"Position: it wraps round {wrap.times} time(s), and was unwrapped by {wrap.period:.6g} {unit}.")
+    whole, turned = unwrapped
+    whole, unfolded = _read_true_torque(whole)
+    whole, jumps, strays = _leave_strays(whole)
+    whole, thinned, rests = _leave_rests(whole)
+    whole, begins, clock, slowed = _even_rate(whole, jumps)
+    stuck = find_stuck_rows(whole)
+    if stuck.mean() > _MOST_STUCK:  # then it is what was recorded, and the checks say what it looks like
+        stuck[:] = False
+    idle = find_idle_rows(whole)
+    useless = (
+        _tell("rows in which the drive gives no torque while the joint is moved", whole, idle),
+        _tell("rows of stuck or saturated stretches", whole, stuck & ~idle),
+    )
+    kept, parts, short = _cut(whole, ~(stuck | idle), begins)
+    left_out = tuple(one for one in (*strays, rests, *useless, short) if one.rows)
+    changes = (*turned, *unfolded, *thinned, *slowed)
+    return UsableParts(recording, kept, parts, left_out, clock, changes, len(recording), recording.duration)
+
+
+def _unwrap_position(recording: Recording) -> tuple[Recording, tuple[str, ...]] | None:
+    """The recording with a counter of turns unwrapped, and a sentence on it; None where it counts degrees."""
+    whole, wrap = unwrap_position(recording)
+    if wrap is None:
+        return whole, ()
+    if recording.metadata.motion == "rotary" and wrap.period == TURN_IN_DEGREES:
+        return None
+    unit = recording.metadata.position_unit
+    return whole, (f"Position: it wraps round {wrap.times} time(s), and was unwrapped by {wrap.period:.6g} {unit}.",)
+
+
+def _read_true_torque(whole: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """The recording with the torque as it was before it was stored in too small a register, and sentences on it."""
+    changes, unit = [], whole.metadata.torque_unit
     whole, register = _read_signed_torque(whole)
     if register is not None:
-        unit = recording.metadata.torque_unit
         changes.append(
             f"Torque: a signed number of {register.bits} bits that was read as an unsigned one; it was read as signed "
             f"(signed_range = {register.span:.6g} [{unit}] in a mapping does it for good)."
@@ -115,54 +144,53 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     if span is not None:
         whole = whole.with_channels(torque=unfold(np.asarray(whole.torque), span))
         changes.append(
-            f"Torque: it is larger than its register holds, and was unfolded by {span:.6g} "
-            f"{whole.metadata.torque_unit} (unwrap = {span:.6g} in a mapping does it for good)."
+            f"Torque: it is larger than its register holds, and was unfolded by {span:.6g} {unit} (unwrap = "
+            f"{span:.6g} in a mapping does it for good)."
         )
+    return whole, tuple(changes)
+
+
+def _leave_strays(whole: Recording) -> tuple[Recording, Samples, tuple[LeftOut, ...]]:
+    """The recording without rows of others and outliers, times at which it jumps [s], and what was left out."""
     followed = follow_motion(whole)
-    left_out = [_tell("rows of another publisher or outliers of position", whole, ~followed.keep)]
     jumps = np.asarray(whole.time)[followed.cuts]
+    others = _tell("rows of another publisher or outliers of position", whole, ~followed.keep)
     whole = _select(whole, followed.keep)
     wild = find_wild_torque(whole)
-    left_out.append(_tell("rows with an outlier of torque", whole, wild))
-    whole = _select(whole, ~wild)
+    return _select(whole, ~wild), jumps, (others, _tell("rows with an outlier of torque", whole, wild))
+
+
+def _leave_rests(whole: Recording) -> tuple[Recording, tuple[str, ...], LeftOut]:
+    """The recording without rows that repeat the one before, a sentence on them, and without long rests."""
     thinned, hold = thin_held_rows(whole)
+    changes: tuple[str, ...] = ()
     if hold is not None:
-        changes.append(
+        changes = (
             f"Rate: {hold.left_out} of {len(whole)} rows repeat the one before; the readings come at "
-            f"{1.0 / thinned.sample_period:.4g} Hz, which was used."
+            f"{1.0 / thinned.sample_period:.4g} Hz, which was used.",
         )
         whole = thinned
     rests = find_rests(whole)
-    left_out.append(_tell("rows of long rests", whole, rests))
-    whole = _select(whole, ~rests)
-    begins = np.zeros(len(whole), dtype=bool)
-    begins[np.minimum(np.searchsorted(whole.time, jumps), len(whole) - 1)] = bool(jumps.size)
-    mended, clock = mend_clock(whole)
-    changes += [clock.sentence] if clock.mended else []
-    rates = locate_rate_change(mended)
-    if rates is not None and not rates.mixed:
-        mended = resample(mended, rates.slow)
-        begins = np.zeros(len(mended), dtype=bool)
-        begins[np.minimum(np.searchsorted(mended.time, jumps), len(mended) - 1)] = bool(jumps.size)
-        changes.append(f"Rate: it changes from {rates.fast:.4g} to {rates.slow:.4g} Hz; all was brought to the latter.")
-    stuck = find_stuck_rows(mended)
-    if stuck.mean() > _MOST_STUCK:  # then it is what was recorded, and the checks say what it looks like
-        stuck[:] = False
-    idle = find_idle_rows(mended)
-    left_out.append(_tell("rows in which the drive gives no torque while the joint is moved", mended, idle))
-    left_out.append(_tell("rows of stuck or saturated stretches", mended, stuck & ~idle))
-    kept, parts, short = _cut(mended, ~(stuck | idle), begins)
-    left_out.append(short)
-    return UsableParts(
-        recording,
-        kept,
-        parts,
-        tuple(one for one in left_out if one.rows),
-        clock,
-        tuple(changes),
-        len(recording),
-        recording.duration,
-    )
+    return _select(whole, ~rests), changes, _tell("rows of long rests", whole, rests)
+
+
+def _even_rate(whole: Recording, jumps: Samples) -> tuple[Recording, Rows, Clock, tuple[str, ...]]:
+    """The recording with even stamps of one rate, its rows after a jump, what its clock is worth, and sentences."""
+    even, clock = mend_clock(whole)
+    changes = (clock.sentence,) if clock.mended else ()
+    rates = locate_rate_change(even)
+    if rates is None or rates.mixed:
+        return even, _mark_jumps(whole, jumps), clock, changes
+    even = resample(even, rates.slow)
+    said = f"Rate: it changes from {rates.fast:.4g} to {rates.slow:.4g} Hz; all was brought to the latter."
+    return even, _mark_jumps(even, jumps), clock, (*changes, said)
+
+
+def _mark_jumps(recording: Recording, jumps: Samples) -> Rows:
+    """The first row at or after each of these times [s]."""
+    rows = np.zeros(len(recording), dtype=bool)
+    rows[np.minimum(np.searchsorted(recording.time, jumps), len(recording) - 1)] = bool(jumps.size)
+    return rows
 
 
 def _leave_whole(recording: Recording) -> UsableParts:
