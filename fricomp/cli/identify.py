@@ -135,12 +135,10 @@ def identify(
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
     fleet = FleetRun(executor, workers, resume, fail_if)
     several = batch or _is_fleet(files)
-    _refuse({"--channel": bool(channel) and several, "--mapping": bool(mapping) and several}, "is of one file")
-    _refuse(
-        {name: given and several for name, given in (cut.given | {"--joint": joint is not None}).items()},
-        "is of one file",
-    )
-    _refuse({"--overwrite": overwrite and several}, "is of one file, and a fleet goes on with --resume")
+    chosen = {"--channel": bool(channel), "--mapping": bool(mapping), **cut.given, "--joint": joint is not None}
+    if several:
+        _refuse(chosen, "is of one file")
+        _refuse({"--overwrite": overwrite}, "is of one file, and a fleet goes on with --resume")
     if batch:
         _refuse(replace(fleet, resume=False, fail_if=None).given, "has no use with --batch")
         _identify_batch(files, out, settings, device, fleet)
@@ -148,19 +146,19 @@ def identify(
     _refuse({"--device": device != "cpu"}, "is for --batch")
     if several:
         _identify_fleet(files, out, settings, fleet)
-    else:
-        _refuse(fleet.given, "is of fleets; this is one file")
-        file = Path(files[0])
-        with claim_folder(out, IDENTIFICATION, overwrite=overwrite, inputs=(file,)) as claim:
-            source = _read(file, arm, joint, cut) if channel or mapping or joint or any(cut.given.values()) else file
-            found = identify_source(source, settings, flag="--")
-            claim.clear()
-            written = write_identification(found, out)
-        answer(_as_answer(found, written))
-        _print(found, written)
-        open_page(out / "report.html", wanted=open_report)
-        if not found.is_usable:
-            raise typer.Exit(EXIT_NOT_USABLE)
+        return
+    _refuse(fleet.given, "is of fleets; this is one file")
+    file = Path(files[0])
+    with claim_folder(out, IDENTIFICATION, overwrite=overwrite, inputs=(file,)) as claim:
+        source = _read(file, arm, joint, cut) if any(chosen.values()) else file
+        found = identify_source(source, settings, flag="--")
+        claim.clear()
+        written = write_identification(found, out)
+    answer(_as_answer(found, written))
+    _print(found, written)
+    open_page(out / "report.html", wanted=open_report)
+    if not found.is_usable:
+        raise typer.Exit(EXIT_NOT_USABLE)
 
 
 def _read(file: Path, arm: ArmOptions, joint: str | None, cut: Cut) -> Recording:
