@@ -12,6 +12,7 @@ from fricomp.cli.bench.mismatch import speed_up
 from fricomp.cli.cases import app as cases_app
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench.studies import proof
+from fricomp.sim_bench.studies.proof.speed_up import SpeedUp
 from tests.sim_bench.studies.proof.answering import always_consistent
 
 
@@ -48,7 +49,7 @@ def test_a_run_writes_scores_failures_and_page_and_can_be_resumed(tmp_path: Path
 
 @pytest.mark.usefixtures("quick_answers")
 def test_the_speed_up_is_printed_with_the_load_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = proof.SpeedUp(
+    found = SpeedUp(
         workers=2,
         one=(112.0, 51.0, 45.0),
         one_core=(120.0, 60.0, 50.0),
