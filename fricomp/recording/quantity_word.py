@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 import unicodedata
 
-__all__ = ["TIMES", "TOKEN", "WORDS", "count_known", "split_words"]
-
 _UPPER, _LOWER = "A-ZÀ-ÖØ-ÞЁА-ЯІЇ", "a-zß-öø-žа-яёії"
 TOKEN = re.compile(
     rf"[{_UPPER}]+(?![{_LOWER}])|[{_UPPER}]?[{_LOWER}]+|\d+|[\u3040-\u30ff\u4e00-\u9fff]+|[\uac00-\ud7a3]+|[θφωτ]"

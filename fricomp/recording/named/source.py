@@ -27,20 +27,6 @@ from fricomp.recording.validity import Samples
 from .clock import find_stamps
 from .column import read_column_name
 
-__all__ = [
-    "FirstLines",
-    "choose_topics",
-    "explain_unnamed",
-    "has_rows",
-    "is_bag_folder",
-    "read_first_lines",
-    "read_layout",
-    "read_named_columns",
-    "read_quantity_files",
-    "read_unnamed_columns",
-    "separate_long_rows",
-]
-
 _JOINT_COLUMNS = ("joint", "joint_name", "name", "motor", "motor_name", "axis", "actuator", "drive")
 _SIGNAL_COLUMNS = (
     "metric",

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 from .column import RAW_UNIT, ColumnMeaning
 
-__all__ = ["with_vendor_unit"]
-
 _TURNS = re.compile(
     r"(^|[./])(servo_stats\.position|servo_stats\.abs_position|encoder\.pos_estimate|pos_vel_mapper\.pos_(rel|abs))$"
 )

@@ -11,8 +11,6 @@ from fricomp.recording.sources.columns import Columns, columns_of_records, flatt
 from fricomp.recording.sources.text import number_or_nan
 from fricomp.recording.validity import Samples
 
-__all__ = ["JsonTable", "tabulate"]
-
 _FEWEST_ROWS = 10
 """Numbers of a column; fewer are a fact beside the rows, such as a gain a joint."""
 _LEVELS = 6

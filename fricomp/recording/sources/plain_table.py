@@ -20,8 +20,6 @@ from .text_layout import (
     split_cells,
 )
 
-__all__ = ["as_table"]
-
 _MOSTLY = 0.5
 _ARRIVED = re.compile(r"^\s*((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s?(.*)$")
 """When a line arrived, as serial monitors write before it."""

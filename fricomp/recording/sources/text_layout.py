@@ -14,11 +14,6 @@ from fricomp.recording.quantity_word import count_known
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import read_unit
 
-__all__ = [
-    "FIRST_LINES", "TextLayout", "find_layout", "is_comment", "is_number", "parse_number", "read_measured",
-    "split_cells",
-]  # fmt: skip
-
 FIRST_LINES = 200
 """Lines by which it is told how a text is laid out."""
 _MARKS = (";", "\t", "|", ",", "")
