@@ -9,6 +9,7 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns
+from fricomp.recording.unit import UNITS
 from fricomp.recording.validity import Samples
 from fricomp.untrusted import parse_json
 
@@ -17,7 +18,6 @@ _ARROW = (".feather", ".arrow", ".ipc")
 """Suffixes of the same tables as Arrow keeps them."""
 _INDEX = "__index_level_"
 """How pandas calls an index without a name."""
-_PARTS_OF_A_SECOND = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _LEVELS = 4
 """Folders above an episode in which its data set is looked for."""
 
@@ -93,7 +93,7 @@ def _read_stamps(column: Any) -> Samples | None:
         return None
     whole = "int32" if types.is_time32(column.type) else "int64"
     counts = column.cast(whole).to_numpy(zero_copy_only=False).astype(np.float64)
-    return np.asarray(counts * _PARTS_OF_A_SECOND[column.type.unit])
+    return np.asarray(counts * UNITS[column.type.unit].factor)
 
 
 def _columns_of(name: str, values: list[Any], entries: list[str]) -> Columns:
