@@ -15,13 +15,16 @@ def can_frame_bits(n_bytes: int, extended: bool = False) -> int:
     return control + 8 * n_bytes + 13 + (control + 8 * n_bytes - 1) // 4
 
 
-def can_fd_frame_time(n_bytes: int, bitrate: float = 1e6, data_bitrate: float = 5e6) -> float:
-    """Longest time of a CAN-FD frame with standard identifier and bit rate switch [s] (ISO 11898-1, as counted here:
-    30 bits at the slow rate with their stuffing and 8 + data + CRC bits at the fast one with theirs)."""
+def can_fd_frame_time(n_bytes: int) -> float:
+    """Longest time of a CAN-FD frame with standard identifier at 1 Mbit/s, its data at 5 Mbit/s [s].
+
+    As ISO 11898-1 counts: 30 bits at the slow rate with their stuffing and 8 + data + CRC bits at the fast one with
+    theirs.
+    """
     crc = 17 + 4 + 1 if n_bytes <= 16 else 21 + 5 + 1
     slow = 17 + 4 + 13
     fast = 8 + 8 * n_bytes
-    return slow / bitrate + (fast + fast // 4 + crc + crc // 4) / data_bitrate
+    return slow / 1e6 + (fast + fast // 4 + crc + crc // 4) / 5e6
 
 
 def serial_time(n_bytes: int, baudrate: float) -> float:

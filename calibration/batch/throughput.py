@@ -79,9 +79,7 @@ def _stribeck(p: FloatArray) -> FloatArray:
     return np.asarray(p[0] * (1.0 - g) + p[1] * g + p[3] * _SPEEDS)
 
 
-def measure_throughput(
-    joints: int, *, single: int = 100, seed: int = 0, device: str = "cpu", repetitions: int = 3
-) -> Throughput:
+def measure_throughput(joints: int, *, single: int = 100, seed: int = 0, device: str = "cpu") -> Throughput:
     """Identify the same fleet both ways.
 
     Args:
@@ -89,7 +87,6 @@ def measure_throughput(
         single: How many of them are identified one by one.
         seed: Of the fleet.
         device: Of torch for the batch.
-        repetitions: The fastest counts.
     """
     import torch
 
@@ -97,7 +94,7 @@ def measure_throughput(
     load, single = os.getloadavg()[0], min(single, joints)
     identify_batch(velocity[:2], torque[:2], device=device)  # libraries are loaded and kernels compiled
     batch_time = single_time = float("inf")
-    for _ in range(repetitions):
+    for _ in range(3):  # the fastest counts
         start = time.perf_counter()
         found = identify_batch(velocity, torque, device=device)
         batch_time = min(batch_time, time.perf_counter() - start)

@@ -18,19 +18,16 @@ class Language:
         functions: Text of each function, with {0}, {1} and {2} in the place of its arguments.
         literal: Writes a number.
         variable: Text that brings a variable into being, with {name} and {value}.
-        square: Text of a second power, which needs no power function.
     """
 
-    def __init__(
-        self, functions: Mapping[str, str], literal: Callable[[float], str], variable: str, square: str = "({0} * {0})"
-    ) -> None:
-        self.functions, self.literal, self.variable, self.square = functions, literal, variable, square
+    def __init__(self, functions: Mapping[str, str], literal: Callable[[float], str], variable: str) -> None:
+        self.functions, self.literal, self.variable = functions, literal, variable
 
     def template(self, call: Call) -> str:
         """The text of a function, whose arguments may occur several times in it."""
         exponent = call.arguments[-1]
         if call.function == "power" and isinstance(exponent, Number) and exponent.value == 2.0:
-            return self.square
+            return "({0} * {0})"  # which needs no power function
         return self.functions[call.function]
 
 
@@ -135,10 +132,10 @@ PYTHON = Language(
 
 
 def print_python(
-    expressions: Sequence[Expression], names: Mapping[str, str] | None = None, prefix: str = "t"
+    expressions: Sequence[Expression], names: Mapping[str, str] | None = None
 ) -> tuple[list[str], list[str]]:
     """`print_source` in Python."""
-    return print_source(expressions, PYTHON, names or {}, prefix)
+    return print_source(expressions, PYTHON, names or {}, "t")
 
 
 def compile_python(lines: Sequence[str], name: str, **known: Any) -> Callable[..., Any]:

@@ -89,7 +89,8 @@ def _curve_error(plant: Plant, velocity: float) -> float:
     return abs(plant.friction_torque[0] / float(law.torque(plant.velocity(0))) - 1.0)
 
 
-def _speed(stand_in: StandIn, steps: int = 300) -> float:
+def _speed(stand_in: StandIn) -> float:
+    steps = 300
     stand_in.reset()
     stand_in.enable("velocity")
     begin = time.process_time()

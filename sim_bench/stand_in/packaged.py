@@ -80,7 +80,6 @@ def default_joint(
 def two_link_arm(
     *,
     laws: Sequence[FrictionLaw] = (DEFAULT_LAW, DEFAULT_LAW),
-    sensor: SensorSettings | None = None,
     disturbances: Sequence[Disturbance] = ARM_DISTURBANCES,
     seed: int = 0,
 ) -> StandInSettings:
@@ -88,13 +87,12 @@ def two_link_arm(
 
     Args:
         laws: Friction of shoulder and elbow.
-        sensor: Sensor chain of both; None for `sensors_for` each law.
         disturbances: External disturbance on shoulder and elbow; `NO_DISTURBANCE` for none.
         seed: Of the sensor noise.
     """
     servo = ServoSettings(torque_limit=12.0)
     joints = tuple(
-        JointSettings(name, law, sensor or sensors_for(law), servo, disturbance=disturbance)
+        JointSettings(name, law, sensors_for(law), servo, disturbance=disturbance)
         for name, law, disturbance in zip(("shoulder", "elbow"), laws, disturbances, strict=True)
     )
     return StandInSettings(packaged_model("two_link_arm"), joints, seed=seed)
@@ -112,14 +110,9 @@ _SIX_JOINTS = {
 }
 
 
-def six_joint_arm(*, laws: Sequence[FrictionLaw] | None = None, seed: int = 0) -> StandInSettings:
-    """An arm of our own with 1 m of reach, standing straight up at zero; gravity acts on five of its six joints.
-
-    Args:
-        laws: Friction from the base to the last joint of the wrist; None for that of geared joints of this size.
-        seed: Of the sensor noise.
-    """
-    laws = laws or [
+def six_joint_arm() -> StandInSettings:
+    """An arm of our own with 1 m of reach, standing straight up at zero; gravity acts on five of its six joints."""
+    laws = [
         FrictionLaw((BidirectionalStribeck(*(StribeckCurve(level, level * rise, slow, viscous),) * 2),))
         for level, rise, slow, viscous in _SIX_JOINTS.values()
     ]
@@ -127,4 +120,4 @@ def six_joint_arm(*, laws: Sequence[FrictionLaw] | None = None, seed: int = 0) -
     joints = tuple(
         JointSettings(name, law, sensors_for(law), servo) for name, law in zip(_SIX_JOINTS, laws, strict=True)
     )
-    return StandInSettings(packaged_model("six_joint_arm"), joints, seed=seed)
+    return StandInSettings(packaged_model("six_joint_arm"), joints)

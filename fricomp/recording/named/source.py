@@ -61,12 +61,11 @@ def is_bag_folder(path: Path) -> bool:
     return path.is_dir() and (path / "metadata.yaml").is_file()
 
 
-def read_named_columns(path: Path, topic: str = "") -> dict[str, Samples]:
+def read_named_columns(path: Path) -> dict[str, Samples]:
     """All columns of numbers of a file that have a name.
 
     Args:
         path: CSV or text with a header, Parquet, MAT, NPZ, JSON, MCAP or a bag.
-        topic: Of a bag with several.
 
     Raises:
         RecordingError: The file cannot be read, or its columns have no names.
@@ -74,12 +73,11 @@ def read_named_columns(path: Path, topic: str = "") -> dict[str, Samples]:
     """
     if path.is_file() and is_text(path):
         return _read_text(path)
-    topics = {} if topic else _read_topics(path)
+    topics = _read_topics(path)
     if topics:
-        columns = tabulate_topics(topics, _choose_topics(topics), path)
+        columns, words = tabulate_topics(topics, _choose_topics(topics), path), {}
     else:
-        columns = read_columns(path, Source(topic=topic), ())
-    words = {} if topics else read_words(path, Source(topic=topic))
+        columns, words = read_columns(path, Source(), ()), read_words(path, Source())
     named = {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
     return separate_long_rows(_with_said_units(named, words), words)
 

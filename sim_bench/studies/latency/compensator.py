@@ -268,12 +268,12 @@ def measure_growth(ticks: int = 1_000_000) -> int:
     return sys.getallocatedblocks() - before
 
 
-def measure_import_ratio(repeats: int = 7) -> float:
+def measure_import_ratio() -> float:
     """Processor time of `import fricomp` over that of `import numpy`, each the shortest of several processes [1]."""
 
     def shortest(module: str) -> float:
         code = f"import time; start = time.process_time(); import {module}; print(time.process_time() - start)"
-        runs = [subprocess.run([sys.executable, "-c", code], check=True, capture_output=True) for _ in range(repeats)]
+        runs = [subprocess.run([sys.executable, "-c", code], check=True, capture_output=True) for _ in range(7)]
         return min(float(run.stdout) for run in runs)
 
     return shortest("fricomp") / shortest("numpy")

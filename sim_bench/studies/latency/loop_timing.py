@@ -9,6 +9,7 @@ from pathlib import Path
 
 from fricomp.control import Compensator, ControlLoop, LoopResult, PositionController, RealTimeOptions, SineReference
 from fricomp.control.compensation.choice import choose_settings
+from fricomp.joint import MonotonicClock
 
 from ...stand_in import DEFAULT_LAW, JointSettings, SimulatedJointAdapter, StandIn, StandInSettings, sensors_for
 from .compensator import N_JOINTS, bench_model
@@ -21,11 +22,10 @@ class PacedClock:
 
     Args:
         stand_in: What is stepped.
-        spin_ns: Last stretch before a deadline that is spun [ns].
     """
 
-    def __init__(self, stand_in: StandIn, spin_ns: int = 150_000) -> None:
-        self._stand_in, self._spin_ns = stand_in, spin_ns
+    def __init__(self, stand_in: StandIn) -> None:
+        self._stand_in, self._clock = stand_in, MonotonicClock()
         self._offset = time.monotonic_ns() - stand_in.time_ns
 
     def now_ns(self) -> int:
@@ -39,11 +39,7 @@ class PacedClock:
         """Step up to the deadline, then wait for it."""
         while self._stand_in.time_ns < deadline_ns:
             self._stand_in.step()
-        remaining = deadline_ns - (time.monotonic_ns() - self._offset) - self._spin_ns
-        if remaining > 0:
-            time.sleep(remaining * 1e-9)
-        while time.monotonic_ns() - self._offset < deadline_ns:
-            pass
+        self._clock.sleep_until(deadline_ns + self._offset)
 
 
 def run_loop(duration: float, *, real_time: bool, options: RealTimeOptions | None = None) -> LoopResult:

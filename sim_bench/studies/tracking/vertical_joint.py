@@ -36,20 +36,19 @@ _MJCF = f"""<mujoco model="vertical_joint">
 """
 
 
-def vertical_joint(folder: Path, *, position: float = 0.0, seed: int = 0) -> StandInSettings:
+def vertical_joint(folder: Path, *, position: float = 0.0) -> StandInSettings:
     """The joint with Stribeck friction and `CONCEALED`; its mechanism is written to `joint.xml`.
 
     Args:
         folder: Where the file goes.
         position: Where the joint starts [rad].
-        seed: Of the sensor noise.
     """
     mjcf = folder / "joint.xml"
     write_whole(mjcf, _MJCF)
     known = JOINTS["moderate"].law
     law = FrictionLaw((*known.terms, *CONCEALED))
     joint = JointSettings("joint", law, sensors_for(known), ServoSettings(torque_limit=12.0), position=position)
-    return StandInSettings(mjcf, (joint,), seed=seed)
+    return StandInSettings(mjcf, (joint,))
 
 
 @dataclass(frozen=True)
