@@ -246,13 +246,16 @@ def _weigh_late_action(
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
     late = name_late_action(findings)
     is_late = late.parameters["delay"].ci95[0] > usual
-    if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
+    better = _leaves_less((findings, verdict), answer) if shows else _completes(verdict, answer, is_late)
+    if not better:
         return answer
     return findings, join_channels(verdict, [late]) if is_late else verdict
 
 
-def _leaves_less(moved: Verdict, before: Verdict) -> bool:
-    return moved.held.rmse_after <= before.held.rmse_after
+def _leaves_less(moved: tuple[Findings, Verdict], before: tuple[Findings, Verdict]) -> bool:
+    """Whether less is left; what names all of it is not given up for what leaves some unknown."""
+    gives_up = moved[0].unknown and not before[0].unknown
+    return not gives_up and moved[1].held.rmse_after <= before[1].held.rmse_after
 
 
 def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
