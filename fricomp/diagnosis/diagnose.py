@@ -231,7 +231,7 @@ def _weigh_late_action(
     From there the base may move it back, so that a lag which looks like a delay from afar is found as one; and a lag
     that is named may be a delay, as may what bends a base whose own delay is at its bound, where that takes no other
     names. Where the torque need not act late after all, the search has only begun elsewhere, and may name what it
-    finds.
+    finds. What names all that is missing is not given up for what leaves some of it unknown.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
     acts_late = find_late_action(given.recordings, usual)
@@ -246,16 +246,14 @@ def _weigh_late_action(
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
     late = name_late_action(findings)
     is_late = late.parameters["delay"].ci95[0] > usual
-    better = _leaves_less((findings, verdict), answer) if shows else _completes(verdict, answer, is_late)
-    if not better:
+    gives_up = findings.unknown and not answer[0].unknown
+    if gives_up or not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
         return answer
     return findings, join_channels(verdict, [late]) if is_late else verdict
 
 
-def _leaves_less(moved: tuple[Findings, Verdict], before: tuple[Findings, Verdict]) -> bool:
-    """Whether less is left; what names all of it is not given up for what leaves some unknown."""
-    gives_up = moved[0].unknown and not before[0].unknown
-    return not gives_up and moved[1].held.rmse_after <= before[1].held.rmse_after
+def _leaves_less(moved: Verdict, before: Verdict) -> bool:
+    return moved.held.rmse_after <= before.held.rmse_after
 
 
 def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:

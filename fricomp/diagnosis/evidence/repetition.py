@@ -39,7 +39,7 @@ class Repetitions:
     """How often each answer came.
 
     Attributes:
-        count: Number of repetitions.
+        count: Number of repetitions that hold rows in which the chosen effects act.
         sets: How often each set of names was chosen, names sorted.
         nothing: How often nothing stood out.
         unknown: How often something stood out that could not be named.
@@ -73,7 +73,8 @@ def repeat_choice(baseline: Baseline, found: SearchResult) -> Repetitions:
         found: Explanations of all rows, best first.
     """
     trial = _Trial(baseline, found)
-    answers = [trial.choose_on(rows, factor) for rows, factor in draw_parts(baseline)]
+    parts = [(trial.choose_on(rows, factor), rows) for rows, factor in draw_parts(baseline)]
+    answers = [answer for answer, rows in parts if answer != "nothing" or trial.is_reached(rows)]
     sets = Counter(answer for answer in answers if isinstance(answer, tuple))
     return Repetitions(len(answers), dict(sets), answers.count("nothing"), answers.count("unknown"))
 
@@ -236,6 +237,15 @@ class _Trial:
         if index not in self.reaches:
             self.reaches[index] = self.explanations[index].compute_reach(self.baseline)
         return self.reaches[index]
+
+    def is_reached(self, rows: _Rows) -> bool:
+        """Whether the chosen effects act in a part of the rows: what is met once, such as a limit, is not missed in the
+        rest.
+        """
+        if self.found.best is None:
+            return True
+        reach = self.compute_reach(self.explanations.index(self.found.best)) ** 2
+        return float(np.sum(reach[rows])) > REPETITIONS.reached * float(np.sum(reach))
 
     def _linearise(self, fit: Fit, box: Box, whole: float) -> _Linear:
         span = orthonormalise(project_out(self.baseline.generic, orthonormalise(fit.jacobian)), 1e-4)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.evidence.repetition import Repetitions, draw_parts, refit_parts, repeat_choice
+from fricomp.diagnosis.evidence.repetition import Repetitions, _Trial, draw_parts, refit_parts, repeat_choice
 from fricomp.diagnosis.evidence.settings import REPETITIONS
 from fricomp.diagnosis.evidence.trial import put_to_trial
 from fricomp.diagnosis.joint.loading import build_tracks
@@ -61,6 +63,19 @@ def test_the_trial_tells_the_repetitions(loaded: tuple[Baseline, SearchResult]) 
     assert trial.chosen is not None
     assert trial.chosen.names == ("load_coulomb",)
     assert trial.objections == {}
+
+
+@pytest.mark.slow
+def test_parts_without_what_is_met_once_do_not_count_against_it(loaded: tuple[Baseline, SearchResult]) -> None:
+    """Rows that the effects do not reach say nothing of them; where all effects act, every part counts."""
+    baseline, found = loaded
+    trial = _Trial(baseline, found)
+    assert found.best is not None
+    reach = np.abs(trial.compute_reach(trial.explanations.index(found.best)))
+    unreached = reach <= np.quantile(reach, 0.05)
+    assert not trial.is_reached(unreached)
+    assert all(trial.is_reached(rows) for rows, _ in draw_parts(baseline))
+    assert _Trial(baseline, replace(found, best=None)).is_reached(unreached)
 
 
 def test_shares_count_sets_and_names() -> None:
