@@ -67,7 +67,8 @@ class StageSettings:
             too small by it, and a loop that answers the noise takes its share for the motion's.
         widest_row: Widest row [s], about that of slow recordings: a wider one holds a whole stroke.
         late_fall: Part by which the held-out error must fall for a delay beside what is named.
-        late_explains: The same where something stays unknown beside it: a gap or a spring bends a joint like a delay.
+        late_explains: The same where something stays unknown beside it. A gap or a spring bends a joint like a delay, and
+            a lag that was found names all that is missing.
     """
 
     nulls: int = 32
@@ -233,7 +234,7 @@ def _weigh_late_action(
     From there the base may move it back, so that a lag which looks like a delay from afar is found as one; and a lag
     that is named may be a delay, as may what bends a base whose own delay is at its bound, where that takes no other
     names. Where the torque need not act late after all, the search has only begun elsewhere, and may name what it
-    finds. What names all that is missing is not given up for what leaves some of it unknown.
+    finds.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
     acts_late = find_late_action(given.recordings, usual)
@@ -248,8 +249,7 @@ def _weigh_late_action(
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
     late = name_late_action(findings)
     is_late = late.parameters["delay"].ci95[0] > usual
-    gives_up = findings.unknown and not answer[0].unknown
-    if gives_up or not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
+    if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
         return answer
     return findings, join_channels(verdict, [late]) if is_late else verdict
 

@@ -60,12 +60,11 @@ def test_a_late_command_is_named_and_the_friction_is_that_of_the_joint() -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lag", [6e-3, 12e-3])
-def test_a_lag_of_the_drive_is_told_as_one_or_as_what_looks_alike(lag: float) -> None:
-    (found,) = diagnose(_record(lag=lag, seconds=15.0)).effects
+def test_a_lag_of_the_drive_is_told_as_one_or_as_what_looks_alike() -> None:
+    (found,) = diagnose(_record(lag=6e-3, seconds=15.0)).effects
     assert "drive_lag" in (found.name, *found.indistinguishable_from)
     (time,) = [number for number in found.parameters.values() if number.unit == "s"]
-    assert time.value == pytest.approx(lag, rel=0.15)
+    assert time.value == pytest.approx(6e-3, rel=0.15)
 
 
 @pytest.mark.slow
