@@ -67,8 +67,8 @@ class StageSettings:
             too small by it, and a loop that answers the noise takes its share for the motion's.
         widest_row: Widest row [s], about that of slow recordings: a wider one holds a whole stroke.
         late_fall: Part by which the held-out error must fall for a delay beside what is named.
-        late_explains: The same where something stays unknown beside it. A gap or a spring bends a joint like a delay, and
-            a lag that was found names all that is missing.
+        late_explains: The same where something stays unknown beside it. A gap or a spring bends a joint like a delay,
+            and a lag that was found names all that is missing.
     """
 
     nulls: int = 32
