@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 from fricomp.cli.output import answer
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 from fricomp.cli.output import answer
 from fricomp.cli.run import DELAY, VELOCITY_FILTER
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fricomp.cli.option.cut import Cut, From, To
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 from fricomp.errors import RecordingError
 
 if TYPE_CHECKING:

@@ -26,8 +26,7 @@ from fricomp.cli.diagnosis.arm import (
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
-from fricomp.cli.option.panel import fleet_option, option_under, output_option
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite, fleet_option, option_under, output_option
 from fricomp.cli.output import hearing
 from fricomp.extras import REPORT, require
 
@@ -144,9 +143,9 @@ def diagnose(
     with two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
     and where wanted name, simulation, joint and friction.
     """
-    from fricomp.cli.out_folder import require_folder
     from fricomp.errors import ParameterError
     from fricomp.fleet import find_recordings, is_joint_table
+    from fricomp.results import require_folder
 
     require(*REPORT, "ruptures")
     require_folder(out)

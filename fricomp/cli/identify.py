@@ -13,8 +13,7 @@ from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Mat
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
-from fricomp.cli.option.panel import arm_option, fleet_option, log_option, option_under, output_option
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite, arm_option, fleet_option, log_option, option_under, output_option
 from fricomp.cli.output import answer
 from fricomp.extras import REPORT, require
 
@@ -115,8 +114,7 @@ def identify(
     """Identify friction; with a recording, inertia, gravity and offset first; with an arm, all joints together."""
     from fricomp.api.identification import write_identification
     from fricomp.api.identify import IdentifySettings, identify_source
-    from fricomp.cli.out_folder import require_folder
-    from fricomp.results import IDENTIFICATION, claim_folder
+    from fricomp.results import IDENTIFICATION, claim_folder, require_folder
 
     require(*REPORT, "onnx")
     _refuse_unknown(law or "stribeck")

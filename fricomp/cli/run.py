@@ -13,8 +13,7 @@ import typer
 
 from fricomp.cli.option.motion_log import LogFile
 from fricomp.cli.option.page import Live, OpenPage
-from fricomp.cli.option.panel import option_under, output_option
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite, option_under, output_option
 
 if TYPE_CHECKING:
     from fricomp.adapters import AdapterOptions, JointAdapter

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Iterator
 from difflib import get_close_matches
@@ -116,14 +117,7 @@ def _lines(context: typer.Context) -> Iterator[str]:
 
 
 def _format(value: Any) -> str:
-    """A value as TOML."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, int | float):
+    """A value as TOML, whose texts and numbers are written as in JSON."""
+    if isinstance(value, float):
         return repr(value)
-    return _quote("" if value is None else str(value))
-
-
-def _quote(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+    return json.dumps(value if isinstance(value, bool | int) else str(value or ""), ensure_ascii=False)

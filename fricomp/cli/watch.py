@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fricomp.cli.option.page import OpenPage, open_page
-from fricomp.cli.option.panel import output_option
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite, output_option
 
 if TYPE_CHECKING:
     from fricomp.calibration.history import JointHistory

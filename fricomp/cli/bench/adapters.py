@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.adapters.calibration import CalibrationComparison

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 
 app = typer.Typer(add_completion=False)
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 
 __all__ = ["app"]
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fricomp.cli.out_folder import Overwrite
+from fricomp.cli.option.panel import Overwrite
 
 __all__ = ["app"]
 

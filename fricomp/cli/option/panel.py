@@ -1,7 +1,7 @@
-"""Options under a heading of `--help`: each of these makes one, with the arguments of `typer.Option`."""
+"""Options under a heading of `--help`, made with the arguments of `typer.Option`; and one that most commands have."""
 
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -15,3 +15,6 @@ output_option = option_under("Output")
 log_option = option_under("Of a log")
 arm_option = option_under("Of an arm")
 fleet_option = option_under("Of a fleet")
+
+Overwrite = Annotated[bool, output_option("--overwrite", help="Replace the results of the kind that --out holds.")]
+"""The option of commands with `--out`; its default is False."""
