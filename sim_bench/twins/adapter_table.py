@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from fricomp.errors import ParameterError
@@ -13,7 +13,7 @@ from .configuration import CAN_PROTOCOLS, PROTOCOLS
 from .port import BytePort
 from .twin import DriveTwin
 
-__all__ = ["adapter_configuration", "adapter_table", "drives_of", "twin_address"]
+__all__ = ["adapter_configuration", "adapter_table", "twin_address"]
 
 VELOCITY_SHARE = 0.8
 LARGEST_DAMPING = 5.0  # of every MIT dialect that has a twin
@@ -36,7 +36,7 @@ def adapter_table(protocol: str, twin: DriveTwin, *, in_amperes: bool = False) -
     """
     joints = []
     names = [joint.name for joint in twin.stand_in.settings.joints]
-    for name, limits, drive in zip(names, default_limits(twin.stand_in), drives_of(twin), strict=True):
+    for name, limits, drive in zip(names, default_limits(twin.stand_in), twin.drives, strict=True):
         torque, velocity = drive.settings.ranges
         allowed: dict[str, Any] = {
             "torque": min(limits.torque, torque * drive.axis.gear_ratio),
@@ -100,12 +100,3 @@ def _toml(value: Any) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(_lines(value)) + " }"
     return json.dumps(value)
-
-
-def drives_of(twin: Any) -> Sequence[Any]:
-    """The drives of a twin, one for each joint."""
-    for name in ("devices", "controllers", "servos"):
-        if hasattr(twin, name):
-            found: Sequence[Any] = getattr(twin, name)
-            return found
-    raise ParameterError(f"{type(twin).__name__} has no drives")

@@ -60,10 +60,12 @@ class CanTwin(DriveTwin):
         devices: One drive for each joint.
     """
 
+    drives: tuple[CanDevice, ...]
+
     def __init__(self, port: CanPort, stand_in: StandIn, devices: Sequence[CanDevice]) -> None:
-        super().__init__(stand_in)
-        self.port, self.devices = port, tuple(devices)
-        for device in self.devices:
+        super().__init__(stand_in, devices)
+        self.port = port
+        for device in self.drives:
             device.send = self._send
 
     def close(self) -> None:
@@ -78,17 +80,9 @@ class CanTwin(DriveTwin):
                 return count
             if self.unplugged or message.is_error_frame:
                 continue
-            for device in self.devices:
+            for device in self.drives:
                 device.receive(message)
         return LARGEST_BATCH
-
-    def _tick(self, now_ns: int) -> None:
-        for device in self.devices:
-            device.tick(now_ns)
-
-    def _power_cycle(self) -> None:
-        for device in self.devices:
-            device.power_cycle()
 
     def _send(self, identifier: int, data: bytes, extended: bool = False) -> None:
         if not self.unplugged:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any
 
 from ..stand_in import StandIn
 from .port import BytePort
@@ -15,10 +17,11 @@ class SerialTwin(DriveTwin):
     Args:
         port: The device's end of the line.
         stand_in: The joints.
+        drives: One for each joint.
     """
 
-    def __init__(self, port: BytePort, stand_in: StandIn) -> None:
-        super().__init__(stand_in)
+    def __init__(self, port: BytePort, stand_in: StandIn, drives: Sequence[Any]) -> None:
+        super().__init__(stand_in, drives)
         self.port = port
 
     def close(self) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from ..stand_in import StandIn
 
@@ -23,10 +24,13 @@ class DriveTwin(ABC):
 
     Args:
         stand_in: The joints behind the drives.
+        drives: One for each joint.
     """
 
-    def __init__(self, stand_in: StandIn) -> None:
-        self.stand_in = stand_in
+    drives: tuple[Any, ...]
+
+    def __init__(self, stand_in: StandIn, drives: Sequence[Any]) -> None:
+        self.stand_in, self.drives = stand_in, tuple(drives)
         self.unplugged = False
         """While true, nothing is received and nothing sent: the cable is out."""
         self._guard = threading.RLock()
@@ -64,13 +68,15 @@ class DriveTwin(ABC):
     def _pump(self) -> int:
         """Receive and answer."""
 
-    @abstractmethod
     def _tick(self, now_ns: int) -> None:
         """Watchdogs and periodic frames at simulated time `now_ns` [ns]."""
+        for drive in self.drives:
+            drive.tick(now_ns)
 
-    @abstractmethod
     def _power_cycle(self) -> None:
         """Forget everything that is not stored."""
+        for drive in self.drives:
+            drive.power_cycle()
 
 
 class TwinClock:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import can.interfaces
 import pytest
@@ -22,7 +22,6 @@ from fricomp.cli.adapters import EXTRAS
 from fricomp.cli.main import app
 from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.sim_bench.twins.backend import TwinCanOpenAdapter
-from fricomp.sim_bench.twins.can_twin import CanTwin
 from fricomp.sim_bench.twins.canopen.cia402 import Cia402Drive
 from fricomp.sim_bench.twins.canopen.cia402_state import DriveState
 
@@ -116,7 +115,7 @@ def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
 
     def with_a_latched_fault(configuration: Mapping[str, Any]) -> TwinCanOpenAdapter:
         adapter = TwinCanOpenAdapter.from_configuration(configuration)
-        drives.extend(cast(CanTwin, adapter.twin).devices)  # type: ignore[arg-type]
+        drives.extend(adapter.twin.drives)
         drives[0].fail(0x7500)
         return adapter
 

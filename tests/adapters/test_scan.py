@@ -13,7 +13,6 @@ from fricomp.adapters.link import CanFrame
 from fricomp.adapters.moteus.codec import encode_command
 from fricomp.adapters.scan import find_on_can, find_on_serial, is_slcan
 from fricomp.sim_bench.twins import DriveTwin, TwinClock
-from fricomp.sim_bench.twins.adapter_table import drives_of
 from fricomp.sim_bench.twins.can_twin import CanTwin
 from fricomp.sim_bench.twins.configuration import make_twin
 from fricomp.sim_bench.twins.dynamixel.packet import PacketReader
@@ -109,7 +108,7 @@ def test_every_drive_is_found_and_none_of_them_is_energised(name: str) -> None:
 @pytest.mark.parametrize("name", sorted(ENERGISE))
 def test_a_drive_that_somebody_holds_is_shown_as_held_and_goes_on(name: str) -> None:
     twin, wire = make(name)
-    drive = drives_of(twin)[1]
+    drive = twin.drives[1]
     ENERGISE[name](drive)
     assert twin.stand_in.servos[1].enabled
     found = scan(name, twin, wire)
@@ -168,7 +167,7 @@ def test_a_damiao_tells_what_its_configuration_needs() -> None:
 def test_a_node_that_nmt_has_stopped_is_heard() -> None:
     twin, wire = make("canopen")
     assert isinstance(twin, CanTwin)
-    node: Any = drives_of(twin)[0]
+    node: Any = twin.drives[0]
     node.store(0x1017, 0, 50)
     node._node.nmt._state = 4
     receive = wire.receive

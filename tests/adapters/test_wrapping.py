@@ -36,7 +36,7 @@ def bench_at_the_end(protocol: str, monkeypatch: pytest.MonkeyPatch) -> AdapterB
     monkeypatch.setattr("fricomp.sim_bench.studies.adapters.bench.LIMITS", limits)
     bench = make_bench(protocol)
     if protocol == "dynamixel":  # whose counts begin within one turn where it is switched on
-        servo = bench.twin.servos[0]
+        servo = bench.twin.drives[0]
         servo._turns = -(END // 4096)
         bench.axes[0].position = -10 * tau / 4096
     else:

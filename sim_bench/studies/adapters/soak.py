@@ -20,7 +20,6 @@ from fricomp.joint import JointCommand, JointFeedback, await_feedback
 from fricomp.testing import FAULTS, FaultyLink
 
 from ...stand_in.sensor import Reading
-from ...twins.adapter_table import drives_of
 from .fuzz import resident_bytes
 
 __all__ = ["LIES", "SoakResult", "soak_adapter"]
@@ -144,7 +143,7 @@ class _Soak:
         open_link = self.adapter._open_link
         self.link = FaultyLink(open_link())
         self.adapter._open_link = lambda: self.link
-        axis = drives_of(self.twin)[0].axis
+        axis = self.twin.drives[0].axis
         self.sensor = axis._sensor = LyingSensor(axis._sensor)
         self.command, self.feedback = JointCommand(1), JointFeedback(1)
         self.adapter.open()

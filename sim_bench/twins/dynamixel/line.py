@@ -28,9 +28,10 @@ class DynamixelTwin(SerialTwin):
         servos: One for each joint.
     """
 
+    drives: tuple[DynamixelServo, ...]
+
     def __init__(self, port: BytePort, stand_in: StandIn, servos: Sequence[DynamixelServo]) -> None:
-        super().__init__(port, stand_in)
-        self.servos = tuple(servos)
+        super().__init__(port, stand_in, servos)
         self._reader = PacketReader()
 
     def _feed(self, data: bytes) -> None:
@@ -38,7 +39,7 @@ class DynamixelTwin(SerialTwin):
             if identifier == BROADCAST:
                 self._broadcast(instruction, parameters)
                 continue
-            for servo in self.servos:
+            for servo in self.drives:
                 if servo.identifier == identifier:
                     servo.feed()
                     self._single(servo, instruction, parameters)
@@ -79,7 +80,7 @@ class DynamixelTwin(SerialTwin):
     def _broadcast(self, instruction: int, parameters: bytes) -> None:
         """Instructions to all; none of them is answered but pings and reads of a group."""
         if instruction == Instruction.PING:
-            for servo in sorted(self.servos, key=lambda each: each.identifier):
+            for servo in sorted(self.drives, key=lambda each: each.identifier):
                 self._single(servo, instruction, parameters)
         elif instruction in SLOW_READS or instruction in FAST_READS:
             self._group_read(instruction, parameters)
@@ -88,7 +89,7 @@ class DynamixelTwin(SerialTwin):
         elif instruction == Instruction.BULK_WRITE:
             self._bulk_write(parameters)
         elif not (instruction == Instruction.FACTORY_RESET and parameters == RESET_ALL):  # from firmware 42 on
-            for servo in self.servos:
+            for servo in self.drives:
                 servo.feed()
                 self._obey(servo, instruction, parameters)
 
@@ -135,16 +136,11 @@ class DynamixelTwin(SerialTwin):
 
     def _named(self, identifiers: bytes) -> Iterator[DynamixelServo]:
         for identifier in identifiers:
-            yield from (servo for servo in self.servos if servo.identifier == identifier)
-
-    def _tick(self, now_ns: int) -> None:
-        for servo in self.servos:
-            servo.tick(now_ns)
+            yield from (servo for servo in self.drives if servo.identifier == identifier)
 
     def _power_cycle(self) -> None:
         self._reader = PacketReader()
-        for servo in self.servos:
-            servo.power_cycle()
+        super()._power_cycle()
 
 
 def _two_words(parameters: bytes) -> tuple[int, int]:

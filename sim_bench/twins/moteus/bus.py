@@ -24,9 +24,10 @@ class MoteusTwin(SerialTwin):
         controllers: One for each joint.
     """
 
+    drives: tuple[MoteusController, ...]
+
     def __init__(self, port: BytePort, stand_in: StandIn, controllers: Sequence[MoteusController]) -> None:
-        super().__init__(port, stand_in)
-        self.controllers = tuple(controllers)
+        super().__init__(port, stand_in, controllers)
         self._partial = b""
 
     def _feed(self, data: bytes) -> None:
@@ -59,7 +60,7 @@ class MoteusTwin(SerialTwin):
 
     def _deliver(self, identifier: int, data: bytes, checked: bool) -> None:
         destination, source = identifier & 0x7F, identifier >> 8 & 0x7F
-        for controller in self.controllers:
+        for controller in self.drives:
             if destination not in (controller.settings.identifier, BROADCAST):
                 continue
             answer = controller.frame(data)
@@ -72,14 +73,9 @@ class MoteusTwin(SerialTwin):
             line += b" *%02X" % crc8(line + b" ")
         self._send(line + b"\n")
 
-    def _tick(self, now_ns: int) -> None:
-        for controller in self.controllers:
-            controller.tick()
-
     def _power_cycle(self) -> None:
         self._partial = b""
-        for controller in self.controllers:
-            controller.power_cycle()
+        super()._power_cycle()
 
 
 def crc8(data: bytes) -> int:

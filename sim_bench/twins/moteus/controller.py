@@ -143,7 +143,7 @@ class MoteusController:
             return Failure(0x30, subframe.register, 1).encode()
         return b""
 
-    def tick(self) -> None:
+    def tick(self, now_ns: int) -> None:
         """Advance the target, and let a command lapse."""
         if self.mode not in LAPSING:
             if self.mode == TIMEOUT and self.axis.energised:

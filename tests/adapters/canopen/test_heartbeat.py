@@ -107,7 +107,7 @@ def test_an_emergency_without_a_fault_state_is_not_enabled_either() -> None:
     bench = make_bench("canopen")
     bench.adapter.open()
     bench.adapter.configure("torque", PERIOD)
-    bench.twin.devices[0].emergency(0x8130, 0x11)
+    bench.twin.drives[0].emergency(0x8130, 0x11)
     with pytest.raises(DriveFault, match="0x8130"):
         bench.adapter.enable()
     assert not bench.axes[0].energised

@@ -95,7 +95,7 @@ def test_the_loop_of_the_twin_is_bound_by_it(mode: Any) -> None:
 def test_a_twin_that_brakes_in_a_quick_stop_keeps_to_it() -> None:
     bench = make_bench("canopen")
     bench.start()
-    axis, drive = bench.axes[0], bench.twin.devices[0]
+    axis, drive = bench.axes[0], bench.twin.drives[0]
     axis.limit_torque(1e3)
     axis.velocity = 5.0
     drive.on_object_written(0x6040, 0, 0x02)

@@ -36,10 +36,10 @@ class Controller(MoteusController):
 
     failing = refuses_position = False
 
-    def tick(self) -> None:
+    def tick(self, now_ns: int) -> None:
         if self.failing:
             self.fail(33)
-        super().tick()
+        super().tick(now_ns)
 
     def _enter(self, mode: int) -> None:
         if not (self.refuses_position and mode == 10):
@@ -68,9 +68,9 @@ class MoteusRig(AdapterRig):
         made = convert(configuration(**changes), MoteusConfiguration)
         self.adapter = MoteusAdapter(made, lambda: self.link, self.clock)
 
-    def _tick(self, _: int) -> None:
+    def _tick(self, now_ns: int) -> None:
         for controller in self.controllers:
-            controller.tick()
+            controller.tick(now_ns)
 
     def applied_torque(self) -> list[float]:
         return [axis.torque * gear for axis, gear in zip(self.axes, GEARS, strict=True)]

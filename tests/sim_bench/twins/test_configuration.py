@@ -71,7 +71,7 @@ def test_drives_and_joints_are_configured() -> None:
         "sim": {"model": "two_link_arm", "seed": 2},
     }
     with make_twin("mit", table) as made:
-        first, second = made.devices  # type: ignore[attr-defined]
+        first, second = made.drives
         assert (first.settings.receive_id, first.settings.feedback_id, first.axis.gear_ratio) == (5, 0x11, 6.0)
         assert second.settings.feedback_id == 0x66
         assert made.stand_in.settings.seed == 2

@@ -30,7 +30,7 @@ def rig() -> Iterator[CanRig]:
 
 
 def node(rig: CanRig) -> ODriveNode:
-    (device,) = rig.twin.devices  # type: ignore[attr-defined]
+    (device,) = rig.twin.drives
     assert isinstance(device, ODriveNode)
     return device
 

@@ -80,7 +80,7 @@ class Master:
 
 
 def drive(rig: CanRig) -> Cia402Drive:
-    (device,) = rig.twin.devices  # type: ignore[attr-defined]
+    (device,) = rig.twin.drives
     assert isinstance(device, Cia402Drive)
     return device
 

@@ -59,12 +59,12 @@ def test_a_missed_heartbeat_ends_in_the_state_that_1029_names(behaviour: int, st
         rig.send(0x77F, b"\5")
         rig.twin.pump()
         rig.steps(40)
-        assert rig.twin.devices[0]._node.nmt._state == state  # type: ignore[attr-defined]
+        assert rig.twin.drives[0]._node.nmt._state == state
 
 
 def test_a_position_goes_on_at_the_other_end_of_its_32_bits() -> None:
     with can_rig(Cia402Drive) as rig:
-        drive: Cia402Drive = rig.twin.devices[0]  # type: ignore[attr-defined]
+        drive: Cia402Drive = rig.twin.drives[0]
         drive._increments = 2.0**31 / 0.25 * 1.001  # the joint is at 0.25 rad
         assert drive.object_value(0x6064, 0) == pytest.approx(-(2**31) * 0.999, rel=1e-3)
 
@@ -72,9 +72,9 @@ def test_a_position_goes_on_at_the_other_end_of_its_32_bits() -> None:
 def test_a_stopped_drive_is_woken_by_taking_over_alone() -> None:
     adapter = adapter_class("twin-canopen").from_configuration({})
     twin = adapter.twin  # type: ignore[attr-defined]
-    twin.devices[0]._nmt(bytes((2, 1)))
-    twin.devices[0].store(0x1017, 0, 20)
-    twin.devices[0]._node.nmt.start_heartbeat(20)
+    twin.drives[0]._nmt(bytes((2, 1)))
+    twin.drives[0].store(0x1017, 0, 20)
+    twin.drives[0]._node.nmt.start_heartbeat(20)
     with pytest.raises(AdapterError, match=r"stopped by NMT .*--take-over"):
         adapter.open()
     adapter.open(take_over=True)

@@ -25,7 +25,7 @@ def rig() -> Iterator[CanRig]:
 
 
 def motor(rig: CanRig) -> MitMotor:
-    (device,) = rig.twin.devices  # type: ignore[attr-defined]
+    (device,) = rig.twin.drives
     assert isinstance(device, MitMotor)
     return device
 

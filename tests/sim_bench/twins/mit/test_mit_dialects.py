@@ -33,7 +33,7 @@ def test_an_ak_module_answers_on_the_masters_identifier_with_its_number_and_faul
     ((identifier, data),) = ak.ask(3, ENABLE)
     assert (identifier, data[0], data[6] - 40, data[7]) == (0, 3, 25, AkFault.NONE)
     assert int.from_bytes(data[1:3], "big") / 65535 * 25.0 - 12.5 == pytest.approx(0.25, abs=2e-4)
-    device: Any = ak.twin.devices[0]  # type: ignore[attr-defined]
+    device: Any = ak.twin.drives[0]
     device.fail(MitStatus.OVER_CURRENT)
     assert ak.ask(3, ENABLE)[0][1][7] == AkFault.OVER_CURRENT
 
@@ -58,7 +58,7 @@ class CyberGearRig:
 
     @property
     def motor(self) -> CyberGearMotor:
-        (device,) = self.rig.twin.devices  # type: ignore[attr-defined]
+        (device,) = self.rig.twin.drives
         assert isinstance(device, CyberGearMotor)
         return device
 
