@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Generic, Protocol, TypeVar, final
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, final
 
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout
 from fricomp.joint import Clock, JointFeedback
 
 from .adapter import JointAdapter
 from .arrivals import Arrivals
-from .configuration import AdapterConfiguration, JointConfiguration, options_of
+from .configuration import AdapterConfiguration, JointConfiguration, convert, options_of
 from .holding import POLL_INTERVAL_NS
 
 __all__ = ["LinkAdapter"]
@@ -49,6 +49,9 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         AdapterConfigurationError: A limit or a transmission is out of its domain.
     """
 
+    configuration_type: ClassVar[type[AdapterConfiguration]]
+    """What the content of a configuration file is converted to."""
+
     def __init__(
         self,
         configuration: Configuration,
@@ -67,6 +70,13 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         self._reported = JointFeedback(len(joints))
         self._taken_ns = -1
         self.n_damaged = 0
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make the adapter from what stands in the configuration file."""
+        make: Any = cls  # the arguments of a protocol's adapter are fewer
+        made: Self = make(convert(configuration, cls.configuration_type))
+        return made
 
     @staticmethod
     @abstractmethod

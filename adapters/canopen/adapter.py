@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, Self
 
 from fricomp.errors import (
     AdapterConfigurationError,
@@ -17,7 +16,6 @@ from fricomp.errors import (
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, Watchdog
 
 from ..can_adapter import CanAdapter
-from ..configuration import convert
 from ..link import CanFrame, CanLink
 from . import objects
 from .capability import declare
@@ -56,6 +54,8 @@ class CanOpenAdapter(CanAdapter):
 
     watchdog_faults = frozenset({0x8130})  # life guard or heartbeat error [cia301]
 
+    configuration_type = CanOpenConfiguration
+
     def __init__(
         self,
         configuration: CanOpenConfiguration,
@@ -73,11 +73,6 @@ class CanOpenAdapter(CanAdapter):
         self._known = False  # whether mode and period in use were ever configured to the end
         self._running = False
         self._next_beat_ns = 0
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make the adapter from what stands in the configuration file."""
-        return cls(convert(configuration, CanOpenConfiguration))
 
     def _make_drive(self, node_id: int) -> CanOpenDrive:
         def send(identifier: int, data: bytes) -> None:

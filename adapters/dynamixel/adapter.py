@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from math import tau
-from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, serial_time
-from ..configuration import convert
 from ..link import SerialLink
 from ..wrapping import CountUnwrapper, wrap_count
 from .configuration import DynamixelConfiguration
@@ -73,6 +71,8 @@ class DynamixelAdapter(ServoLine):
 
     watchdog_faults = frozenset({FAULT_WATCHDOG})
 
+    configuration_type = DynamixelConfiguration
+
     def __init__(
         self,
         configuration: DynamixelConfiguration,
@@ -106,11 +106,6 @@ class DynamixelAdapter(ServoLine):
         self._most = [UNBOUNDED] * n_joints  # reported current beyond which the joints are stopped
         self._running = False
         self._n_held_back = 0
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make the adapter from what stands in the configuration file."""
-        return cls(convert(configuration, DynamixelConfiguration))
 
     # -- receiving ------------------------------------------------------------------------------------------
 

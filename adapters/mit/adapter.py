@@ -5,14 +5,12 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose, isfinite
-from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
-from ..configuration import convert
 from ..link import CanFrame, CanLink
 from .configuration import MitConfiguration, make_motor
 from .fault import FAULT_NOT_ENABLED, FAULT_POSITION_EDGE
@@ -38,6 +36,8 @@ class MitAdapter(CanAdapter):
         open_link: Makes the link; python-can as configured unless given.
         clock: Real time unless a simulation brings its own.
     """
+
+    configuration_type = MitConfiguration
 
     def __init__(
         self,
@@ -82,11 +82,6 @@ class MitAdapter(CanAdapter):
                 f"joints {names} have one feedback_id, {self._motors[sharing[0]].feedback_id:#x}: give each motor its "
                 f"own master id (register 7), and the same number here"
             )
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make the adapter from what stands in the configuration file."""
-        return cls(convert(configuration, MitConfiguration))
 
     # -- opening ------------------------------------------------------------------------------------------
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Self
+from collections.abc import Callable, Sequence
 
 from fricomp.errors import AdapterConfigurationError, AdapterTimeout, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_fd_frame_time, serial_time
-from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
+from ..configuration import JointConfiguration, SerialAdapterConfiguration
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
 from .codec import (
@@ -66,6 +65,8 @@ class MoteusAdapter(SerialAdapter):
 
     watchdog_faults = frozenset({FAULT_MODE + MODE_TIMEOUT})
 
+    configuration_type = MoteusConfiguration
+
     def __init__(
         self,
         configuration: MoteusConfiguration,
@@ -86,11 +87,6 @@ class MoteusAdapter(SerialAdapter):
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._running = False
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make the adapter from what stands in the configuration file."""
-        return cls(convert(configuration, MoteusConfiguration))
 
     # -- receiving ------------------------------------------------------------------------------------------
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import tau
-from typing import Any, Self
 
 from fricomp.errors import AdapterError, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
-from ..configuration import convert
 from ..link import CanFrame, CanLink
 from .codec import (
     AxisState,
@@ -47,6 +45,8 @@ class OdriveAdapter(ParameterAdapter):
         clock: Real time unless a simulation brings its own.
     """
 
+    configuration_type = OdriveConfiguration
+
     def __init__(
         self,
         configuration: OdriveConfiguration,
@@ -69,11 +69,6 @@ class OdriveAdapter(ParameterAdapter):
         self._slow_ns, self._fed_ns = -SLOW_PERIOD_NS, 0
         self._rest: list[CanFrame] = []
         self._routes = self._make_routes()
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make the adapter from what stands in the configuration file."""
-        return cls(convert(configuration, OdriveConfiguration))
 
     # -- receiving ------------------------------------------------------------------------------------------
 

@@ -15,16 +15,11 @@ from typing import Any, ClassVar, Self
 
 from fricomp.adapters import JointAdapter
 from fricomp.adapters.canopen import CanOpenAdapter
-from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
-from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 from fricomp.adapters.mit import MitAdapter
-from fricomp.adapters.mit.configuration import MitConfiguration
 from fricomp.adapters.moteus import MoteusAdapter
-from fricomp.adapters.moteus.adapter import MoteusConfiguration
 from fricomp.adapters.odrive import OdriveAdapter
-from fricomp.adapters.odrive.configuration import OdriveConfiguration
 from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.joint import Capabilities
 
@@ -51,12 +46,10 @@ class _OnTwin(JointAdapter):
 
     Attributes:
         protocol: Of the twin.
-        table: What a configuration of the adapter is converted to.
         twin: The twin.
     """
 
     protocol: ClassVar[str]
-    table: ClassVar[type]
     twin: DriveTwin
 
     @classmethod
@@ -71,7 +64,7 @@ class _OnTwin(JointAdapter):
     @classmethod
     def _make(cls, table: dict[str, Any], link: Callable[[], Any], clock: TwinClock) -> Self:
         make: Any = cls
-        made: Self = make(convert(table, cls.table), link, clock)
+        made: Self = make(convert(table, make.configuration_type), link, clock)
         return made
 
     def _open(self) -> Capabilities:
@@ -83,19 +76,19 @@ class _OnTwin(JointAdapter):
 class TwinCanOpenAdapter(_OnTwin, CanOpenAdapter):
     """CiA 402 on its twin."""
 
-    protocol, table = "canopen", CanOpenConfiguration
+    protocol = "canopen"
 
 
 class TwinMitAdapter(_OnTwin, MitAdapter):
     """An MIT motor's twin."""
 
-    protocol, table = "mit", MitConfiguration
+    protocol = "mit"
 
 
 class TwinOdriveAdapter(_OnTwin, OdriveAdapter):
     """An ODrive's twin."""
 
-    protocol, table = "odrive", OdriveConfiguration
+    protocol = "odrive"
 
     @classmethod
     def _make(cls, table: dict[str, Any], link: Callable[[], Any], clock: TwinClock) -> Self:
@@ -108,13 +101,13 @@ class TwinOdriveAdapter(_OnTwin, OdriveAdapter):
 class TwinMoteusAdapter(_OnTwin, MoteusAdapter):
     """A moteus' twin."""
 
-    protocol, table = "moteus", MoteusConfiguration
+    protocol = "moteus"
 
 
 class TwinDynamixelAdapter(_OnTwin, DynamixelAdapter):
     """A Dynamixel's twin."""
 
-    protocol, table = "dynamixel", DynamixelConfiguration
+    protocol = "dynamixel"
 
 
 def _make_twin(
