@@ -9,7 +9,7 @@ import typer
 
 from fricomp.cli.option.panel import Overwrite
 
-from .options import ExecutorOption
+from .options import ExecutorOption, working
 
 app = typer.Typer(add_completion=False)
 
@@ -31,9 +31,8 @@ def real(
     """Diagnose recordings that nobody here made, and compare with what is known about them."""
     from datetime import date
 
-    from fricomp.cli.terminal import Table, console, progress, resumable
+    from fricomp.cli.terminal import Table, console
     from fricomp.errors import DiagnosisError
-    from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.commit import format_measured
     from fricomp.sim_bench.studies.kit.folder import claim_run
     from fricomp.sim_bench.studies.kit.page import require_own_page
@@ -47,15 +46,9 @@ def real(
         raise DiagnosisError(f"no case {unknown[0]!r}: valid are {', '.join(known)}")
     cases = [known[name] for name in only] if only else list(REAL_CASES)
     require_own_page(page, "real")
-    again = resume or overwrite
-    with (
-        claim_run(out, "outcomes.jsonl", go_on=again),
-        resumable(out),
-        progress() as bar,
-        open_executor(executor) as pool,
-    ):
-        task = bar.add_task("recordings", total=len(cases))
-        outcomes, commits = run_all(cases, out, pool, seed=seed, resume=resume, progress=lambda: bar.advance(task))
+    claim = claim_run(out, "outcomes.jsonl", go_on=resume or overwrite)
+    with claim, working("recordings", len(cases), out, executor) as (pool, count):
+        outcomes, commits = run_all(cases, out, pool, seed=seed, resume=resume, progress=count)
     table = Table("recording", "verdict", "named", "as expected", "time [s]")
     for one in outcomes:
         verdict = one.record.verdict if one.record is not None else "no answer"

@@ -9,7 +9,7 @@ import typer
 
 from fricomp.cli.option.panel import Overwrite
 
-from .options import ExecutorOption
+from .options import ExecutorOption, working
 
 app = typer.Typer(add_completion=False)
 
@@ -29,9 +29,8 @@ def second_generator(
     overwrite: Overwrite = False,
 ) -> None:
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
-    from fricomp.cli.terminal import Table, console, make_table, progress, resumable
+    from fricomp.cli.terminal import Table, console, make_table
     from fricomp.errors import DiagnosisError
-    from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.folder import claim_run
     from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.second_generator import choose_cases, compute_figures, run_all, write_page
@@ -40,15 +39,9 @@ def second_generator(
         raise DiagnosisError("a page is of all cases: leave out --only, or --page")
     cases = choose_cases(only or (), quick=quick)
     require_own_page(page, "second_generator")
-    again = resume or overwrite
-    with (
-        claim_run(out, "scores.jsonl", go_on=again),
-        resumable(out),
-        progress() as bar,
-        open_executor(executor) as pool,
-    ):
-        task = bar.add_task("cases", total=len(cases))
-        scores, commits = run_all(cases, out, pool, resume=resume, progress=lambda: bar.advance(task))
+    claim = claim_run(out, "scores.jsonl", go_on=resume or overwrite)
+    with claim, working("cases", len(cases), out, executor) as (pool, count):
+        scores, commits = run_all(cases, out, pool, resume=resume, progress=count)
     table = Table("case", "verdict", "named", "right", "seconds")
     for one in scores:
         right = "no" if one.wrong else "yes"

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..options import ExecutorOption, WorkersOption
+from ..options import ExecutorOption, WorkersOption, working
 
 app = typer.Typer(add_completion=False)
 
@@ -30,8 +30,6 @@ def run(
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/arms-proof.md.")] = None,
 ) -> None:
     """Conceal links and physics in arms, examine them blind, and score the answers."""
-    from fricomp.cli.terminal import progress, resumable
-    from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.arms import run_arms
     from fricomp.sim_bench.studies.kit.folder import claim_run
     from fricomp.sim_bench.studies.proof import RunSettings, load_or_start
@@ -39,15 +37,14 @@ def run(
 
     from .show import show_scores, write_run_page
 
-    with claim_run(out, SETTINGS), resumable(out), progress() as bar, open_executor(executor, workers) as pool:
+    with claim_run(out, SETTINGS), working("arms", cases, out, executor, workers) as (pool, count):
         settings = load_or_start(out, RunSettings(cases, scored=scored, first_seed=first_seed), resume=resume)
-        task = bar.add_task("arms", total=cases)
         scores = run_arms(
             settings,
             out,
             pool,
             duration=duration,
-            progress=lambda: bar.advance(task),
+            progress=count,
             go_on=stop_after(minutes),
         )
     show_scores(scores)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..options import ExecutorOption, WorkersOption
+from ..options import ExecutorOption, WorkersOption, working
 
 app = typer.Typer(add_completion=False)
 
@@ -32,8 +32,7 @@ def gap(
     """Diagnose concealed cases twice, as they are and without what is concealed, and compare the held-out errors."""
     from datetime import date
 
-    from fricomp.cli.terminal import console, progress, resumable
-    from fricomp.fleet import open_executor
+    from fricomp.cli.terminal import console
     from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
     from fricomp.sim_bench.studies.kit.folder import claim_run
     from fricomp.sim_bench.studies.kit.page import replace_page, require_own_page
@@ -49,10 +48,9 @@ def gap(
     planned = plan_gaps(cases, list_development_seeds(first_seed), QUICK_DURATION if quick else None)
     if page is not None:
         require_own_page(page.with_suffix("") / GAP, "proof")
-    again = resumable(out, "the same command goes on")
-    with claim_run(out, "gap"), again, progress() as bar, open_executor(executor, workers) as pool:
-        task = bar.add_task("diagnosed twice", total=cases)
-        scores = measure_gaps(planned, out / "gap", pool, progress=lambda: bar.advance(task))
+    way = "the same command goes on"
+    with claim_run(out, "gap"), working("diagnosed twice", cases, out, executor, workers, way=way) as (pool, count):
+        scores = measure_gaps(planned, out / "gap", pool, progress=count)
     options = f"--cases {cases} {'--quick ' if quick else ''}--first-seed {first_seed} --out runs/{out.name}"
     measured = format_measured(date.today(), find_commit())
     text = format_gaps(scores, f"fricomp bench mismatch gap {options}", measured)

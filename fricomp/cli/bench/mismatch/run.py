@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..options import ExecutorOption, WorkersOption
+from ..options import ExecutorOption, WorkersOption, working
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,8 +93,6 @@ def _compare(
     """The table of the other methods; that of an earlier call where none is asked for now."""
     from datetime import date
 
-    from fricomp.cli.terminal import progress, resumable
-    from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
     from fricomp.sim_bench.studies.proof import BASELINES
     from fricomp.sim_bench.studies.proof.baselines import compare_baselines, format_table
@@ -102,9 +100,8 @@ def _compare(
 
     path = out / BASELINES
     if planned:
-        with resumable(out), progress() as bar, open_executor(*executor) as pool:
-            task = bar.add_task("other methods", total=len(planned))
-            found = compare_baselines(planned, out / "baselines", pool, progress=lambda: bar.advance(task))
+        with working("other methods", len(planned), out, *executor) as (pool, count):
+            found = compare_baselines(planned, out / "baselines", pool, progress=count)
         measured = format_measured(date.today(), find_commit())
         write_whole(path, format_table(found, scores, measured))
     return path.read_text(encoding="utf-8") if path.exists() else ""
