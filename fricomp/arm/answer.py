@@ -20,8 +20,6 @@ from .search.early_torque import EarlyTorques
 from .shared_delay import is_before_most
 from .uncertainty.scatter import widen_covariance
 
-__all__ = ["LEAST_FALL", "RECURRENCE", "ArmAnswer", "TermEvidence", "confirm_terms"]
-
 RECURRENCE = 0.9
 """Least share of halves that must ask for a term: the probability of a name that is printed."""
 

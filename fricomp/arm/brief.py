@@ -11,8 +11,6 @@ from fricomp.overview import AT_BOUND
 
 from .record import ArmRecord, JointEffect, JointRecord, LinkRecord
 
-__all__ = ["say_doubts", "say_shared_causes", "say_tilt", "say_what", "write_summary"]
-
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
 

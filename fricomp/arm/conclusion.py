@@ -25,8 +25,6 @@ from .shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 
-__all__ = ["write_record"]
-
 _Z95 = 1.96
 _DETERMINED = 0.5
 """A link's mass counts as determined where the recording at least halves what was uncertain before."""

@@ -16,8 +16,6 @@ from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
 
-__all__ = ["ArmModel", "Coordinates", "Linearised", "PriorSizes", "measure_sizes"]
-
 _WARMTH = 10.0
 """[K] over which friction may change by all of its prior: joints at work get that much warmer."""
 

@@ -16,8 +16,6 @@ from .identification import ArmIdentification
 from .rows import ArmRows
 from .shared_delay import measure_seen
 
-__all__ = ["find_own_delay"]
-
 _ROUNDS = 6
 _STILL = 0.1
 """Of its standard deviation, below which a delay moves no more."""

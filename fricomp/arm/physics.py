@@ -10,8 +10,6 @@ import numpy as np
 from .coordinates import ArmModel
 from .fit import ArmFit
 
-__all__ = ["hold_at_zero", "is_physical"]
-
 _SURE = 2.0
 """Standard deviations by which a parameter must be on the wrong side."""
 

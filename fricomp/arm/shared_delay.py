@@ -20,8 +20,6 @@ from .fit import ArmFit
 from .glance import Glance
 from .prior import ArmPrior
 
-__all__ = ["SharedDelay", "agree", "is_before_most", "measure_delay", "measure_seen", "take_median"]
-
 _OWN = "torque_delay"
 """The term by which a joint has a delay of its own."""
 

@@ -45,8 +45,6 @@ from ..record import ArmRecord, JointEffect, JointRecord, LinkRecord
 from ..rigid.inertia import N_INERTIA
 from .choice import WrittenFiles
 
-__all__ = ["diagnose_joints"]
-
 _SEED = 0
 """Of bootstraps: bands of the maps, and the interval of the fall of an error."""
 

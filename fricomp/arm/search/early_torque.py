@@ -21,8 +21,6 @@ from ..fit import ArmFit
 from ..rows import ArmRows
 from .judge import Estimate, JointJudge
 
-__all__ = ["EarlyTorques"]
-
 _DELAY = "torque_delay"
 
 _SURE = 3.5

@@ -13,8 +13,6 @@ from ..equations import N_LAST, ArmEquations
 from ..fit import ArmFit
 from ..friction import TERMS
 
-__all__ = ["Estimate", "JointJudge"]
-
 _RANK = 1e-6
 """Part of the largest singular value below which a direction of a joint's columns is rounding."""
 

@@ -18,7 +18,7 @@ WorkersOption = Annotated[int | None, typer.Option(min=1, help="Processes; one a
 def working(
     title: str, total: int, out: Path, executor: str, workers: int | None = None, *, way: str = "--resume goes on"
 ) -> Iterator[tuple[tuple[Executor, int], Callable[[], None]]]:
-    """A pool of workers and what counts a finished case; on Ctrl-C it says how (`way`) to go on with what is in `out`."""
+    """A pool of workers, and what counts a finished case; on Ctrl-C it says how to go on with what is in `out`."""
     from fricomp.cli.terminal import progress, resumable
     from fricomp.fleet import open_executor
 

@@ -8,33 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = [
-    "AGREEMENT",
-    "ALIASES",
-    "CONFIRMATION",
-    "GATES",
-    "IN_PLACE",
-    "LOCATION",
-    "NEEDS",
-    "OVERTONES",
-    "PARAMETERS",
-    "REPETITIONS",
-    "UNDETERMINED",
-    "VELOCITY",
-    "AgreementSettings",
-    "AliasSettings",
-    "ConfirmationSettings",
-    "GateSettings",
-    "InPlaceSettings",
-    "LocationSettings",
-    "NeedSettings",
-    "OvertoneSettings",
-    "ParameterSettings",
-    "RepetitionSettings",
-    "UndeterminedSettings",
-    "VelocitySettings",
-]
-
 
 @dataclass(frozen=True)
 class ConfirmationSettings:
