@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricomp.calibration.identification import identify
+from fricomp.calibration.identification import DiscrepancyNetwork, IdentificationResult, identify
 from fricomp.calibration.identification.discrepancy import WEIGHTS, fit_discrepancy, train_towards
 from fricomp.calibration.network import TanhNetwork
 from fricomp.laws import FloatArray
@@ -61,16 +61,21 @@ def _collect_figures(case: str, size: float, points: int, seeds: int) -> Departu
             size=len(velocity)
         )
         result = identify(velocity, torque, method="least_squares", noise="absolute", seed=seed)
-        free = fit_discrepancy(result, seed=seed)
-        driven = result.network
-        for weight in WEIGHTS[1:]:
-            driven = train_towards(driven, result, result.optimum, result.observations, weight)
-        departed += bool(np.isfinite(free.weight))
-        models = (result.network if not np.isfinite(free.weight) else free.network, driven)
+        free, driven = train_networks(result, seed)
+        departed += free.departs
+        models = (free.network, driven)
         inside.append(_collect_errors(result.model.torque, models, np.linspace(side[0], 1.0, 300), size))
         outside.append(_collect_errors(result.model.torque, models, np.linspace(1.0, 1.4, 100), size))
     a, b = np.mean(inside, axis=0).tolist(), np.mean(outside, axis=0).tolist()
     return DepartureFigures(case, points, seeds, a, b, departed)
+
+
+def train_networks(result: IdentificationResult, seed: int) -> tuple[DiscrepancyNetwork, TanhNetwork]:
+    """The network that may leave the closed form, and one held by the data alone."""
+    driven = result.network
+    for weight in WEIGHTS[1:]:
+        driven = train_towards(driven, result, result.optimum, result.observations, weight)
+    return fit_discrepancy(result, seed=seed), driven
 
 
 def _collect_errors(

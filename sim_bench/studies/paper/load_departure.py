@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricomp.calibration.identification import identify
-from fricomp.calibration.identification.discrepancy import WEIGHTS, fit_discrepancy, train_towards
 from fricomp.laws import FloatArray, LoadScaling
 
+from .departure import train_networks
 from .problem import PaperProblem
 
 _NOISE = 0.01
@@ -55,10 +55,7 @@ def measure_loads(case: str, points: int, seeds: int) -> LoadFigures:
         torque = _collect_truth(velocity, load, size)
         torque = torque + _NOISE * np.random.default_rng([seed, points, 3]).normal(size=len(velocity))
         result = identify(velocity, torque, load, "least_squares", "absolute", seed)
-        free = fit_discrepancy(result, seed=seed)
-        driven = result.network
-        for weight in WEIGHTS[1:]:
-            driven = train_towards(driven, result, result.optimum, result.observations, weight)
+        free, driven = train_networks(result, seed)
         departed += free.departs
         functions = (result.model.torque, free.network.torque, driven.torque)
         for errors, loads in ((between, _BETWEEN), (beyond, _BEYOND)):

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from fricomp.report import format_markdown_table
+
 from ..kit.store import RowStore
 from .departure import DepartureFigures
 from .extras import ExtraFigures
@@ -21,8 +23,7 @@ from .timing import OURS, summarise_timing
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+    return format_markdown_table(heads, rows) + "\n"
 
 
 def _select_largest(ledger: RowStore, study: str) -> list[dict[str, Any]]:
