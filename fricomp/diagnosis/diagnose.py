@@ -16,6 +16,7 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .channels.reading import read_channels, read_held, read_loads
+from .effects import EFFECTS
 from .evidence.case import Case
 from .evidence.findings import Findings, collect_findings, prefer_simulation
 from .forward.forward import measure_forward_error
@@ -259,10 +260,12 @@ def _leaves_less(moved: Verdict, before: Verdict) -> bool:
 
 
 def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
-    """Whether the error falls clearly, and a late torque needs no names but those that were there without it; others
-    may come where none is late, and the rows left something unknown."""
+    """Whether the error falls clearly, and a late torque needs no names but those that were there without it and the
+    form of the friction, which a lag in place of a delay bends; others may come where none is late, and the rows left
+    something unknown."""
     findings, before = answer
     names, known = ({effect.name for effect in one.effects} for one in (moved, before))
+    names -= {name for name, effect in EFFECTS.items() if effect.form_of_friction}
     leaves = moved.word == "unknown_physics"
     allowed = names <= known or (findings.unknown and not is_late and not leaves)
     least = SETTINGS.late_explains if leaves else SETTINGS.late_fall
