@@ -14,6 +14,7 @@ from fricomp.arm import ArmExamination, examine_arm
 from fricomp.arm.coordinates import ArmModel, Coordinates
 from fricomp.arm.friction import PLAIN, JointForm
 from fricomp.arm.physics import is_physical
+from fricomp.arm.search.gap import Gap, GapSearch
 from fricomp.sim_bench.cases.arm import ArmSpec, generate_arm, write_arm_case
 
 from .moving_arm import record_arm, write_arm
@@ -89,3 +90,13 @@ def test_a_gap_is_named_with_its_width(tmp_path: Path) -> None:
     assert [name for names in names_of(record).values() for name in names] == ["backlash"]
     (effect,) = next(joint.effects for joint in record.joints if joint.name == "elbow")
     assert effect.parameters["gap"].value == pytest.approx(truth.change.truth["gap"], rel=0.1)
+
+
+def test_a_gear_that_cannot_be_simulated_explains_nothing(healthy: ArmExamination) -> None:
+    """At ten times its critical damping the steps of the simulation grow without end, which was an overflow."""
+    found = healthy.answer.identification
+    search = GapSearch(found.rows, found.fit)
+    inertia = 0.5
+    stiff, damped = Gap(1e-3, inertia * 240.0**2, 20.0 * inertia * 240.0), Gap(1e-3, inertia * 240.0**2, 20.0)
+    assert np.all(search._follow(0, stiff) == 0.0)
+    assert np.any(search._follow(0, damped) != 0.0)

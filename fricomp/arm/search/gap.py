@@ -58,6 +58,10 @@ _HALF_CHI_SQUARE, _WIDTH_STEP, _WIDEST = 1.92, 1.02, 2.0
 _TEETH_POWER = 0.5
 """Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
 
+_FARTHEST = 1.0
+"""[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate of
+a recording, and such a gear explains nothing."""
+
 _UNKNOWN = 1.0
 """[s] from the start of a part in which nothing is said: on which side of a gap a load began, and how it swung, is gone
 by then."""
@@ -199,6 +203,8 @@ class GapSearch:
             mass, torque = (np.interp(time, rows.time[here], one[here]) for one in (inertia, rest))
             load = CarriedLoad(mass, torque, np.zeros(time.size))
             twist = compute_twist(np.ascontiguousarray(position[:, joint]), period, load, coupling)
+            if not np.all(np.abs(twist) < _FARTHEST):  # nor where it is no number
+                return np.zeros(len(rows))
             curvature = np.gradient(np.gradient(twist, period), period)
             curvature[time < time[0] + _UNKNOWN] = 0.0
             curvatures.append(curvature)
