@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.arm.shared_delay import SharedDelay, agree, take_median
+from fricomp.arm.shared_delay import SharedDelay, agree, measure_seen, take_median
 
 
 def test_joints_with_one_delay_agree() -> None:
@@ -33,3 +33,13 @@ def test_one_joint_does_not_move_what_most_ask_for() -> None:
 def test_joints_apart_have_to_be_surer() -> None:
     assert SharedDelay(0.005, 0.002, {}).is_sure
     assert not SharedDelay(0.005, 0.002, {0: 0.009, 1: 0.001}).is_sure
+
+
+def test_a_long_delay_is_found_in_few_steps_though_each_look_sees_half_of_it() -> None:
+    truth, delay, moved, before = 0.010, 0.0, 0.0, 0.0
+    for _ in range(3):
+        more = 0.5 * (truth - delay)
+        moved, before = more / measure_seen(more, before, moved), more
+        delay += moved
+    assert delay == pytest.approx(truth, abs=1e-6)
+    assert measure_seen(1e-3, 1e-3, 1e-3) == pytest.approx(1.0 / 3.0)  # no fall: a step is no longer than three looks
