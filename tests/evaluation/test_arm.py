@@ -102,6 +102,16 @@ def test_a_torque_that_is_late_in_all_joints_is_moved(tmp_path: Path) -> None:
     assert moved.joint("a").position == ()
 
 
+def test_the_torque_of_each_joint_is_moved_by_its_own_delay(tmp_path: Path) -> None:
+    path, recordings = _write(tmp_path), _record(_write(tmp_path))
+    first = recordings[0]
+    late = first.with_channels(torque=np.interp(first.time - 0.01, first.time, first.torque))
+    mixed = [late, *recordings[1:]]
+    plain, moved = (evaluate_arm(path, mixed, torque_delay=delay, positions=False) for delay in (0.0, {"a": 0.01}))
+    assert moved.joint("a").torque.rms < 0.5 * plain.joint("a").torque.rms
+    assert moved.joint("b").torque.rms == pytest.approx(plain.joint("b").torque.rms)
+
+
 def test_what_does_not_fit_says_what_to_do(tmp_path: Path) -> None:
     path = _write(tmp_path)
     recordings = _record(path, duration=3.0)
