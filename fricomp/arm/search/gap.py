@@ -59,8 +59,8 @@ _TEETH_POWER = 0.5
 """Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
 
 _FARTHEST = 1.0
-"""[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate of
-a recording, and such a gear explains nothing."""
+"""[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate
+of a recording, and such a gear explains nothing."""
 
 _UNKNOWN = 1.0
 """[s] from the start of a part in which nothing is said: on which side of a gap a load began, and how it swung, is gone
