@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +17,7 @@ from fricomp.recording.named.clock import find_stamps
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name
 from fricomp.recording.named.source import explain_unnamed, read_layout, read_named_columns
 from fricomp.recording.number_rows import read_head, read_number_rows
+from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.text import read_lines
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT
@@ -57,8 +57,7 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
     layout = read_layout(Path(path))
     names = layout.names
     if not names:
-        letters = re.search(r"[^\W\d_eE]", " ".join(columns)) is not None
-        named = letters and layout.rows_line > 0  # a header that does not fit its rows
+        named = count_known(columns) > 0 and layout.rows_line > 0  # a header that does not fit its rows
         raise RecordingError(_explain_header(path, columns) if named else explain_unnamed(Path(path)))
     said = {meaning.channel for meaning in map(read_column_name, names) if meaning is not None}
     if find_stamps(names) or "position" in said or "motor_position" in said:

@@ -66,7 +66,7 @@ def measure_quantum(values: Samples, most_levels: float = _MOST_LEVELS) -> float
 def read_at_rest(recording: Recording) -> Reading:
     """What the velocity column reads where the position does not change; a code without a zero reads half a step."""
     velocity = recording.velocity
-    if velocity is None:
+    if velocity is None or velocity.size < _REST_ROWS:
         return Reading(0.0, 0.0)
     quantum = measure_quantum(np.asarray(velocity))
     still = np.concatenate([[False], np.diff(recording.position) == 0.0])

@@ -17,13 +17,14 @@ from fricomp.recording.validity import Samples
 from .choice import list_names
 from .column import read_column_name
 
-_UNIT = r"(s|secs?|seconds|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|с|сек|мс|мкс)"
+_UNIT = r"(s|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|с|сек|мс|мкс)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
 """Words that say whose clock it is, or since when it counts."""
 _TIME = re.compile(
     rf"^(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
     rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/]*)({_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
-    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$",
+    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$"
+    r"|^[mun]?s[_ ](today|elapsed|(since|from)[_ ].*)$",
     re.IGNORECASE,
 )
 _STEPS = re.compile(
@@ -34,7 +35,16 @@ _STEPS = re.compile(
 """Names of a time since the row before."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _SAID = re.compile(rf"(?<![a-zа-я]){_UNIT}[\])]?$", re.IGNORECASE)
-_SPELLED = {"sec": "s", "secs": "s", "seconds": "s", "msec": "ms", "msecs": "ms", "milliseconds": "ms", "µs": "us"}
+_SPELLED = {
+    "sec": "s",
+    "secs": "s",
+    "second": "s",
+    "seconds": "s",
+    "msec": "ms",
+    "msecs": "ms",
+    "milliseconds": "ms",
+    "µs": "us",
+}
 _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds)$", re.IGNORECASE)
 _PARTS = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")

@@ -35,11 +35,10 @@ _SENSOR = ("sensor", "load", "transducer", "loadcell")
 _OUTSIDE = ("ext", "external", "contact")
 """Words of a torque that an observer believes to come from outside; it is none of the joint's."""
 
-_NO_CHANNEL = (
-    *("err", "error", "errors", "constant", "limit", "limits"),
-    *("enable", "enabled", "mode", "status", "flag", "fault", "id", "dimensions", "inertia"),
-)
-"""Words of what is worked out from a channel, bounds it, or switches it."""
+_NO_CHANNEL = ("err", "error", "errors", "constant", "limit", "limits", "dimensions", "inertia")
+"""Words of what is worked out from a channel, or bounds it."""
+_SWITCHES = ("enable", "enabled", "mode", "status", "flag", "fault", "id")
+"""Words of what switches a channel or says how it is; in front of a point or a slash they say whose it is."""
 
 _TIMES = ("time", "times", "stamp", "timestamp", "tout")
 """Last words of a column that says when another one was taken: `velocity.time`."""
@@ -105,6 +104,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     said = _find_units(name, words[at])
     quantity = _settle_quantity(quantity, said)
     roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, at, quantity, has_unit=bool(said)))}
+    roles |= {k: "number" for k, (word, span) in enumerate(words) if word in _SWITCHES and _stands_in_path(name, span)}
     rate = next((words[k][0] for k, role in roles.items() if role == "rate"), "")
     if rate:
         quantity = _RATES[rate][("position", "velocity").index(quantity)]
@@ -173,6 +173,8 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
         return "number"  # of the motor, as a bus calls it
     if word in _NO_CHANNEL:
         return "outside"
+    if word in _SWITCHES:
+        return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
         return "rate"
     if word in _WANTED or (word == "d" and k > at):
@@ -184,6 +186,11 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
     if quantity == "torque" and word in (*_SENSOR, *_OUTSIDE):
         return "sensor" if word in _SENSOR else "outside"
     return "raw" if word in (*_RAW, *_ENCODER) and not has_unit else ""
+
+
+def _stands_in_path(name: str, span: tuple[int, int]) -> bool:
+    """Whether a word stands before the last point or slash of a name."""
+    return span[1] <= max(name.rfind("."), name.rfind("/"))
 
 
 def _find_channel(quantity: str, roles: set[str]) -> str:

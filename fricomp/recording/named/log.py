@@ -144,21 +144,16 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
 
 def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) -> str:
     """What the columns do not say, and what to write."""
-    motors = [own["motor_position"][0] for own in chosen.values() if "motor_position" in own and "position" not in own]
+    motors = [own["motor_position"] for own in chosen.values() if "motor_position" in own and "position" not in own]
     if motors:
-        return (
-            f"{path} has the position of a motor alone, {motors[0]!r}: say --channel "
-            f"{shlex.quote(f'position={motors[0]}')} where there "
-            f"is no gear; else write position = {{ column = {motors[0]!r}, scale = 1/RATIO }} in a mapping, and "
-            "scale = RATIO for a motor's torque (docs/recordings.md)"
-        )
+        return _explain_motor(path, *motors[0])
     missing = "torque" if any("position" in own for own in chosen.values()) else "position"
     what = {"torque": "the torque", "position": "a position and a torque"}[missing]
     if missing == "position" and _has_torque(columns):
         what = "the position"
     said = {name: read_column_name(name) or read_column_unit(name) for name in columns}
     silent = [name for name, values in columns.items() if said[name] is None and _varies(values)]
-    silent = [name for name in silent if name not in find_stamps(columns)]
+    silent = [name for name in silent if name not in find_stamps(columns) and not _counts_rows(columns[name])]
     likely = silent[0].partition(":")[0] if silent else ""
     such = (
         f", such as --channel {shlex.quote(f'{missing}={likely}')} where it is that one,"
@@ -172,6 +167,21 @@ def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen)
     )
 
 
+def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
+    """What to write of a motor's position where the joint has none of its own."""
+    if meaning.unit == RAW_UNIT:
+        return (
+            f"{path} has the position of a motor alone, {name!r}, in units of a device: write position = {{ column = "
+            f"{name!r}, scale = 6.2832/(COUNTS_A_TURN*RATIO) }} in a mapping with the number worked out, RATIO 1 where "
+            "there is no gear, and scale = RATIO for a motor's torque (docs/recordings.md)"
+        )
+    return (
+        f"{path} has the position of a motor alone, {name!r}: say --channel {shlex.quote(f'position={name}')} where "
+        f"there is no gear; else write position = {{ column = {name!r}, scale = 1/RATIO }} in a mapping, and scale = "
+        "RATIO for a motor's torque (docs/recordings.md)"
+    )
+
+
 def _has_torque(columns: Mapping[str, Samples]) -> bool:
     """Whether the name of a column says that it is a torque, or stands for one."""
     meanings = [read_column_name(name) for name in columns]
@@ -181,6 +191,11 @@ def _has_torque(columns: Mapping[str, Samples]) -> bool:
 def _varies(values: Samples) -> bool:
     finite = values[np.isfinite(values)]
     return finite.size > 1 and bool(np.ptp(finite) > 0.0)
+
+
+def _counts_rows(values: Samples) -> bool:
+    """Whether a column rises by the same from row to row. Shape (n_rows,)."""
+    return values.size > 1 and bool(np.all(np.diff(values) == values[1] - values[0]))
 
 
 def _build(

@@ -18,6 +18,7 @@ from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_ro
 from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
 from fricomp.recording.checks.torque_causes import Register, find_register, read_signed
 from fricomp.recording.clock import Clock, mend_clock
+from fricomp.recording.parts.bursts import spread_bursts
 from fricomp.recording.parts.holds import thin_held_rows
 from fricomp.recording.parts.rests import find_rests
 from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwrap_position
@@ -98,7 +99,8 @@ def find_usable_parts(recording: Recording) -> UsableParts:
 
     What is not mended here, such as a flipped sign, is told by `check_recording` of the parts.
     """
-    unwrapped = _unwrap_position(recording)
+    spread, bursts = spread_bursts(recording)
+    unwrapped = _unwrap_position(spread)
     if unwrapped is None:
         return _leave_whole(recording)  # the checks say what to write: a velocity may be in either unit
     whole, turned = unwrapped
@@ -116,7 +118,8 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     )
     kept, parts, short = _cut(whole, ~(stuck | idle), begins)
     left_out = tuple(one for one in (*strays, rests, *useless, short) if one.rows)
-    changes = (*turned, *unfolded, *thinned, *slowed)
+    arrived = () if bursts is None else (bursts.sentence,)
+    changes = (*arrived, *turned, *unfolded, *thinned, *slowed)
     return UsableParts(recording, kept, parts, left_out, clock, changes, len(recording), recording.duration)
 
 

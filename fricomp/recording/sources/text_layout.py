@@ -48,6 +48,8 @@ _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
 """A line that is drawn between names and rows."""
 _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
     "sec",
+    "second",
+    "seconds",
     "°",
     "°/s",
     "°c",

@@ -29,6 +29,7 @@ from fricomp.recording.named.column import read_column_name, read_column_unit, s
         ("shoulder_pan_joint_torque_mNm", "torque", "shoulder_pan_joint", "mNm"),
         ("A1_torque_A", "torque", "A1", "A"),
         ("panda_finger_joint1.position", "position", "panda_finger_joint1", ""),
+        ("drive_status.position", "position", "drive", ""),
     ],
 )
 def test_a_name_says_quantity_joint_and_unit(name: str, channel: str, joint: str, unit: str) -> None:
@@ -37,7 +38,19 @@ def test_a_name_says_quantity_joint_and_unit(name: str, channel: str, joint: str
     assert (meaning.channel, meaning.joint, meaning.unit) == (channel, joint, unit)
 
 
-@pytest.mark.parametrize("name", ["time", "gripper_width", "LuGre", "uart_cycle_hz", "ee_quat:1"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "time",
+        "position_status",
+        "drive.torque_enabled",
+        "error.position",
+        "gripper_width",
+        "LuGre",
+        "uart_cycle_hz",
+        "ee_quat:1",
+    ],
+)
 def test_other_names_say_nothing(name: str) -> None:
     assert read_column_name(name) is None
 

@@ -66,7 +66,7 @@ def write_channels_in_lines(folder: Path) -> Path:
 
 
 def write_elements(folder: Path) -> Path:
-    rows = fill('<Rob T="1"><AIPos A1="{deg:.9f}"/><Trq A1="{u:.9f}"/><IPOC>{ms:.0f}</IPOC></Rob>')
+    rows = fill('<Rob T="1"><AIPos A1="{deg:.9f}"/><ASPos A1="1.5"/><Trq A1="{u:.9f}"/><IPOC>{ms:.0f}</IPOC></Rob>')
     return write(folder / "rsi.xml", ["<Log>", *rows, "</Log>"])
 
 
@@ -139,7 +139,23 @@ def write_units_in_a_table(folder: Path) -> Path:
     return folder / "log.parquet"
 
 
+def write_vesc(folder: Path) -> Path:
+    names = (
+        "ms_today;temp_motor;current_motor;current_in;d_axis_current;q_axis_current;erpm;encoder_position;fault_code"
+    )
+    rows = [
+        f"{5e7 + 1e3 * t:.3f};41;0.5;0.1;0.02;{u:.9f};{k % 7};{deg:.9f};FAULT_CODE_NONE"
+        for k, (t, deg, u) in enumerate(list_rows())
+    ]
+    return write(folder / "vesc.csv", [names, *rows])
+
+
+def write_mujoco(folder: Path) -> Path:
+    return write(folder / "sim.csv", ["time,qpos_0,actuator_force_0,ctrl_0", *fill("{t:.6f},{q:.9f},{u:.9f},0.1")])
+
+
 FORMS: list[Write] = [
+    *(write_vesc, write_mujoco),
     *(write_facts_in_lines, write_facts_down_to_the_rows, write_simulink, write_series_in_rows, write_elements),
     *(write_channels_in_lines, write_fields_in_archive, write_names_beside_rows, write_names_beside_columns),
     *(write_series_of_pairs, write_value_before_time, write_units_beside_values, write_units_in_an_object),
@@ -179,6 +195,27 @@ def test_names_in_two_lines_are_those_of_two_joints(above: list[str], tmp_path: 
     assert (other.metadata.joint, moved.metadata.joint) == ("a", "b")
     assert moved.position == pytest.approx(POSITION, abs=1e-6)
     assert moved.time == pytest.approx(TIME, abs=1e-6)
+
+
+def test_axes_in_xml_are_joints_of_their_own(tmp_path: Path) -> None:
+    rows = fill('<Rob><AIPos A1="7.5" A2="{deg:.9f}"/><Trq A1="0.2" A2="{u:.9f}"/><IPOC>{ms:.0f}</IPOC></Rob>')
+    held, moved = read_named_log(write(tmp_path / "rsi.xml", rows)).recordings
+    assert (held.metadata.joint, moved.metadata.joint) == ("A1", "A2")
+    assert moved.position == pytest.approx(POSITION, abs=1e-6)
+
+
+def test_counts_of_a_motor_are_asked_about_with_both_factors(tmp_path: Path) -> None:
+    path = write(tmp_path / "log.csv", ["t,Motor Position (counts),Current (A)", *fill("{t:.6f},{q:.9f},{u:.9f}")])
+    with pytest.raises(RecordingError, match=r"scale = 6\.2832/\(COUNTS_A_TURN\*RATIO\)"):
+        read_content(path)
+
+
+def test_lines_of_a_boot_above_numbers_are_no_names(tmp_path: Path) -> None:
+    from fricomp.calibration.table import is_friction_table
+
+    path = write(tmp_path / "log.txt", ["MOT: Monitor enabled!", "MOT: Ready.", *fill("{q:.4f}\t{u:.4f}\t{deg:.4f}")])
+    with pytest.raises(RecordingError, match=r"no line of names above its numbers.*--inspect"):
+        is_friction_table(path)
 
 
 @pytest.mark.parametrize("kind", ["jsonl", "parquet"])
