@@ -195,7 +195,8 @@ def _take_off_delay(
 ) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
     """Rows in which the torques are as early as the positions, and the delay that was taken off.
 
-    Torques are not taken to be ahead of the positions where a gear gives way, which looks like it.
+    Torques are not taken to be ahead of the positions where a gear gives way, which looks like it. Whether a delay is
+    sure is seen where it stands still: on the way there, each joint shows another part of its own.
 
     Returns:
         The last tells whether they look so, and are taken to be prompt.
@@ -208,16 +209,19 @@ def _take_off_delay(
         if ahead and not EarlyTorques(rows, equations, fit).is_none_bent():
             rows = rows.with_delay(recording, 0.0)
             return rows, equations.with_torque(rows), more.move(total, -total), True
-        still = abs(more.value) < 0.5 * more.deviation or not (total or more.is_sure)
+        still = abs(more.value) < 0.5 * more.deviation
         moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
         before = more.value
         found = more.move(total, moved)
         if still:
-            return rows, equations, found, ahead and not total
+            break
         total = found.value
         rows = rows.with_delay(recording, total)
         equations = equations.with_torque(rows)
-    return rows, equations, found, False
+    if found.is_sure or not total:
+        return rows, equations, found, ahead and not total
+    rows = rows.with_delay(recording, 0.0)
+    return rows, equations.with_torque(rows), found._replace(value=0.0), ahead
 
 
 def _take_in(
