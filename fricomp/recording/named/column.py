@@ -171,9 +171,7 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
     word = words[k][0]
     if word == "id" and k + 1 < len(words) and words[k + 1][0].isdigit():
         return "number"  # of the motor, as a bus calls it
-    if word in _NO_CHANNEL:
-        return "outside"
-    if word in _SWITCHES:
+    if word in (*_NO_CHANNEL, *_SWITCHES):
         return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
         return "rate"

@@ -153,7 +153,7 @@ def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen)
         what = "the position"
     said = {name: read_column_name(name) or read_column_unit(name) for name in columns}
     silent = [name for name, values in columns.items() if said[name] is None and _varies(values)]
-    silent = [name for name in silent if name not in find_stamps(columns) and not _counts_rows(columns[name])]
+    silent = [name for name in silent if name not in find_stamps(columns) and not _rises_evenly(columns[name])]
     likely = silent[0].partition(":")[0] if silent else ""
     such = (
         f", such as --channel {shlex.quote(f'{missing}={likely}')} where it is that one,"
@@ -193,7 +193,7 @@ def _varies(values: Samples) -> bool:
     return finite.size > 1 and bool(np.ptp(finite) > 0.0)
 
 
-def _counts_rows(values: Samples) -> bool:
+def _rises_evenly(values: Samples) -> bool:
     """Whether a column rises by the same from row to row. Shape (n_rows,)."""
     return values.size > 1 and bool(np.all(np.diff(values) == values[1] - values[0]))
 

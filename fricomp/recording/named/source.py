@@ -14,7 +14,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.number_rows import read_head, read_number_rows
-from fricomp.recording.sources import is_text, read_columns, read_words
+from fricomp.recording.sources import Contents, is_text, read_contents
 from fricomp.recording.sources.can_frames import refuse_frames
 from fricomp.recording.sources.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
@@ -74,10 +74,10 @@ def read_named_columns(path: Path) -> dict[str, Samples]:
     if path.is_file() and is_text(path):
         return _read_text(path)
     topics = _read_topics(path)
-    if topics:
-        columns, words = tabulate_topics(topics, _choose_topics(topics), path), {}
-    else:
-        columns, words = read_columns(path, Source(), ()), read_words(path, Source())
+    found = (
+        Contents(tabulate_topics(topics, _choose_topics(topics), path), {}) if topics else read_contents(path, Source())
+    )
+    columns, words = found
     named = {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
     return separate_long_rows(_with_said_units(named, words), words)
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.sources.columns import Columns, flatten_arrays
-from fricomp.recording.sources.json_table import JsonTable, tabulate
+from fricomp.recording.sources.columns import Columns, Contents, flatten_arrays
+from fricomp.recording.sources.json_table import tabulate
 from fricomp.recording.sources.mat_file import read_variables
 from fricomp.untrusted import find_size_limit, parse_json
 
@@ -107,19 +107,10 @@ def _measure_mat(path: Path) -> int:
     return content
 
 
-def read_json(path: Path, source: Source) -> Columns:
+def read_json(path: Path, source: Source) -> Contents:
     """Read JSON: rows at `source.records` or where the only ones are, an object of lists, names beside rows, series of
     pairs of time and value; or a row a line.
     """
-    return _read_json(path, source).columns
-
-
-def read_json_words(path: Path, source: Source) -> dict[str, list[str]]:
-    """What stands beside the numbers of `read_json` in words, by the name of the column."""
-    return _read_json(path, source).words
-
-
-def _read_json(path: Path, source: Source) -> JsonTable:
     content: Any
     try:
         content = _parse_lines(path) if path.suffix.lower() in (".jsonl", ".ndjson") else parse_json(path.read_bytes())

@@ -1,7 +1,7 @@
 """The columns of a foreign file, by name or by number."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,18 @@ from fricomp.recording.sources.text_layout import parse_number
 
 Columns = dict[Column, NDArray[np.float64]]
 """By name, and by number from 1 where the source has an order; a name made of digits is still a name."""
+
+
+class Contents(NamedTuple):
+    """What a file holds.
+
+    Attributes:
+        columns: Of numbers.
+        words: Of words, by the names that their numbers would have; one where it is said once.
+    """
+
+    columns: Columns
+    words: dict[str, list[str]]
 
 
 def find_column(columns: Columns, key: Column) -> NDArray[np.float64]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from fricomp.recording.sources.columns import Columns, columns_of_records, flatten_arrays, flatten_structures
+from fricomp.recording.sources.columns import Columns, Contents, columns_of_records, flatten_arrays, flatten_structures
 from fricomp.recording.sources.text import number_or_nan
 from fricomp.recording.validity import Samples
 
@@ -21,26 +21,14 @@ _PAIRS = ("values", "datapoints", "points", "data")
 """What series are called, whose they are, and where their pairs of time and value stand."""
 
 
-class JsonTable(NamedTuple):
-    """What a document of JSON holds.
-
-    Attributes:
-        columns: Of numbers.
-        words: Of words, by the names that their numbers would have; one where it is said once.
-    """
-
-    columns: Columns
-    words: dict[str, list[str]]
-
-
-def tabulate(content: Any) -> JsonTable | None:
+def tabulate(content: Any) -> Contents | None:
     """The table of a document; None where it holds neither rows nor columns.
 
     Args:
         content: As it was parsed.
     """
     if isinstance(content, list) and not _are_series(content):
-        return JsonTable(columns_of_records(content), _list_words(content))
+        return Contents(columns_of_records(content), _list_words(content))
     if not isinstance(content, dict | list):
         return None
     found = _find_series(content) or _find_named_rows(content)
@@ -50,8 +38,8 @@ def tabulate(content: Any) -> JsonTable | None:
     rows = [value for value in flat.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
     columns = flatten_arrays(flat)
     if len(rows) == 1 and all(column.size < _FEWEST_ROWS for column in columns.values()):
-        return JsonTable(columns_of_records(rows[0]), _list_words(rows[0]))
-    return JsonTable(columns, {name: [value] for name, value in flat.items() if isinstance(value, str)})
+        return Contents(columns_of_records(rows[0]), _list_words(rows[0]))
+    return Contents(columns, {name: [value] for name, value in flat.items() if isinstance(value, str)})
 
 
 def _read_dates(value: Any) -> Any:
@@ -86,13 +74,13 @@ def _walk(content: Any, level: int = 0) -> Iterator[Any]:
             yield from _walk(value, level + 1)
 
 
-def _find_named_rows(content: Any) -> JsonTable | None:
+def _find_named_rows(content: Any) -> Contents | None:
     """The only table whose names stand in a list beside its rows or its columns."""
     tables = [table for one in _walk(content) if isinstance(one, dict) and (table := _read_named_rows(one))]
     return tables[0] if len(tables) == 1 else None
 
 
-def _read_named_rows(one: dict[str, Any]) -> JsonTable | None:
+def _read_named_rows(one: dict[str, Any]) -> Contents | None:
     inside = [value for sub in one.values() if isinstance(sub, dict) for value in sub.values()]
     lists = [value for value in (*one.values(), *inside) if isinstance(value, list) and len(value) > 1]
     names = next((found for value in lists if (found := _read_names(value))), [])
@@ -113,14 +101,14 @@ def _read_names(values: list[Any]) -> list[str]:
     return names if len(names) == len(said) == len(set(names)) else []
 
 
-def _make_table(cells: Mapping[str, Sequence[Any]]) -> JsonTable:
+def _make_table(cells: Mapping[str, Sequence[Any]]) -> Contents:
     columns: Columns = {name: np.array([_to_number(one) for one in own]) for name, own in cells.items()}
     words = {
         name: [one if isinstance(one, str) else "" for one in own]
         for name, own in cells.items()
         if not np.isfinite(columns[name]).any()
     }
-    return JsonTable(columns, words)
+    return Contents(columns, words)
 
 
 def _to_number(value: Any) -> float:
@@ -129,7 +117,7 @@ def _to_number(value: Any) -> float:
     return number_or_nan((value,), 0, ".") if isinstance(value, str) else float("nan")
 
 
-def _find_series(content: Any) -> JsonTable | None:
+def _find_series(content: Any) -> Contents | None:
     """The first list of several series in a document as one table, each in rows of its own."""
     series = next((one for one in _walk(content) if _are_series(one)), None)
     if series is None:
@@ -146,7 +134,7 @@ def _find_series(content: Any) -> JsonTable | None:
         column = np.full(starts[-1], np.nan)
         column[start : start + values.size] = values
         columns[name] = column
-    return JsonTable(columns, {})
+    return Contents(columns, {})
 
 
 def _are_series(content: Any) -> bool:

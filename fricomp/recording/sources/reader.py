@@ -6,10 +6,10 @@ from pathlib import Path
 
 from fricomp.errors import FricompError, RecordingError
 from fricomp.recording.mapping import Column, Format, Source
-from fricomp.recording.sources.array import read_binary, read_json, read_json_words, read_mat, read_npy, read_npz
-from fricomp.recording.sources.columns import Columns
+from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
+from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
-from fricomp.recording.sources.table import read_table, read_table_words
+from fricomp.recording.sources.table import read_table
 from fricomp.recording.sources.text import read_text
 
 _LONGEST_REASON = 300  # characters of a foreign error that are told
@@ -17,16 +17,11 @@ _READERS: dict[Format, Callable[[Path, Source], Columns]] = {
     "mat": read_mat,
     "npz": read_npz,
     "npy": read_npy,
-    "json": read_json,
     "binary": read_binary,
     "mcap": read_mcap,
     "rosbag2": read_rosbag,
-    "parquet": read_table,
 }
-_WORDS: dict[Format, Callable[[Path, Source], dict[str, list[str]]]] = {
-    "json": read_json_words,
-    "parquet": read_table_words,
-}
+_READERS_OF_WORDS: dict[Format, Callable[[Path, Source], Contents]] = {"json": read_json, "parquet": read_table}
 _SUFFIXES: dict[str, Format] = {
     ".csv": "text",
     ".txt": "text",
@@ -81,28 +76,33 @@ def read_columns(path: Path, source: Source, keys: Collection[Column], *, skip_b
         RecordingError: The file is missing, damaged or of a kind nobody here reads.
         MissingExtraError: The package that reads it is not installed.
     """
+    return read_contents(path, source, keys, skip_bad_rows=skip_bad_rows).columns
+
+
+def read_contents(
+    path: Path, source: Source, keys: Collection[Column] = (), *, skip_bad_rows: bool = False
+) -> Contents:
+    """Read a foreign file with its words, of formats that tell words from numbers.
+
+    Args:
+        path: As for `read_columns`.
+        source: As for `read_columns`.
+        keys: As for `read_columns`.
+        skip_bad_rows: As for `read_columns`.
+
+    Raises:
+        RecordingError: As for `read_columns`.
+        MissingExtraError: As for `read_columns`.
+    """
     if not path.exists():
         raise RecordingError(f"no source at {path}: check the path")
     kind = source.format or _guess_format(path)
     with refuse_damage(path, kind):
         if kind == "text":
-            return read_text(path, source, keys, skip_bad_rows=skip_bad_rows)
-        return _READERS[kind](path, source)
-
-
-def read_words(path: Path, source: Source) -> dict[str, list[str]]:
-    """What the columns of a file hold that are of words, by name; of formats that hold none nothing.
-
-    Args:
-        path: File.
-        source: How to read it.
-
-    Raises:
-        RecordingError: The file is damaged.
-    """
-    kind = source.format or _guess_format(path)
-    with refuse_damage(path, kind):
-        return _WORDS[kind](path, source) if kind in _WORDS else {}
+            return Contents(read_text(path, source, keys, skip_bad_rows=skip_bad_rows), {})
+        if kind in _READERS_OF_WORDS:
+            return _READERS_OF_WORDS[kind](path, source)
+        return Contents(_READERS[kind](path, source), {})
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import numpy as np
 
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.sources.columns import Columns
+from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.unit import UNITS
 from fricomp.recording.validity import Samples
 from fricomp.untrusted import parse_json
@@ -22,8 +22,8 @@ _LEVELS = 4
 """Folders above an episode in which its data set is looked for."""
 
 
-def read_table(path: Path, source: Source) -> Columns:
-    """Read a Parquet file: `name` for a column of numbers, `name:3` for the third entry of a column of lists.
+def read_table(path: Path, source: Source) -> Contents:
+    """Read a Parquet file: `name` for a column of numbers or words, `name:3` for the third entry of a column of lists.
 
     Where the data set names the entries, as LeRobot does in meta/info.json, `name.entry` is the same.
 
@@ -43,30 +43,17 @@ def read_table(path: Path, source: Source) -> Columns:
         raise RecordingError(f"{path} is no table of Parquet or Arrow: {error}") from error
     named = _entry_names(path)
     columns: Columns = {}
+    words: dict[str, list[str]] = {}
     for name in names:
         column, stamps = table.column(name), _read_stamps(table.column(name))
         if stamps is not None:
             columns["time" if name.startswith(_INDEX) and "time" not in names else name] = stamps
-        else:
-            columns.update(_columns_of(name, column.to_pylist(), named.get(name, [])))
-    return columns
-
-
-def read_table_words(path: Path, source: Source) -> dict[str, list[str]]:
-    """What the columns of words hold, by name.
-
-    Raises:
-        RecordingError: The file is no Parquet file.
-    """
-    from pyarrow import ArrowException, parquet, types
-
-    try:
-        table = _flatten(_read_arrow(path) if path.suffix.lower() in _ARROW else parquet.read_table(path))
-    except (ArrowException, UnicodeDecodeError) as error:
-        raise RecordingError(f"{path} is no table of Parquet or Arrow: {error}") from error
-    kinds = {field.name: getattr(field.type, "value_type", field.type) for field in table.schema}
-    named = [name for name, kind in kinds.items() if types.is_string(kind) or types.is_large_string(kind)]
-    return {name: [word or "" for word in table.column(name).to_pylist()] for name in named}
+            continue
+        values = column.to_pylist()
+        columns.update(_columns_of(name, values, named.get(name, [])))
+        if any(isinstance(value, str) for value in values):
+            words[name] = [value or "" for value in values]
+    return Contents(columns, words)
 
 
 def _read_arrow(path: Path) -> Any:

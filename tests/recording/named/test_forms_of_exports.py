@@ -239,6 +239,25 @@ def test_rows_of_joints_in_turns_are_those_of_each_joint(kind: str, tmp_path: Pa
     assert held.position == pytest.approx(np.full(N_ROWS, 0.7))
 
 
+@pytest.mark.parametrize("kind", ["jsonl", "parquet"])
+def test_names_of_joints_in_a_list_beside_their_numbers_are_no_words_of_a_unit(kind: str, tmp_path: Path) -> None:
+    """Messages of joints keep the names of all of them in every row."""
+    import pyarrow
+    from pyarrow import parquet
+
+    rows = [
+        {"time": t, "name": ["a", "b"], "position": [q, 0.7], "effort": [u, 0.1]} for t, q, u in list_rows(POSITION)
+    ]
+    path = tmp_path / f"log.{kind}"
+    if kind == "jsonl":
+        write(path, [json.dumps(row) for row in rows])
+    else:
+        parquet.write_table(pyarrow.Table.from_pylist(rows), path)
+    moved, held = read_named_log(path).recordings
+    assert moved.position == pytest.approx(POSITION)
+    assert held.position == pytest.approx(np.full(N_ROWS, 0.7))
+
+
 @pytest.mark.parametrize(
     ("start", "what"),
     [(pickle.dumps({"q": 1.0}), "a pickle"), (b"PK\x03\x04" + bytes(99), "a spreadsheet"), (b"\x89HDF\r\n", "HDF5")],
