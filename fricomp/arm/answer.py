@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.stats import chi2
@@ -17,7 +18,6 @@ from .glance import Glance
 from .identification import ArmIdentification, fit_robustly
 from .own_delay import find_own_delay
 from .search.early_torque import EarlyTorques
-from .shared_delay import is_before_most
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -81,16 +81,19 @@ class ArmAnswer:
             return False
         fit, matters = self.identification.fit, self.evidence[joint, term].fall >= LEAST_FALL
         sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
-        return matters and sized and _is_whole(fit, joint, term) and self._is_timed(joint, term)
+        timed = term != "torque_delay" or joint not in self._unshown
+        return matters and sized and _is_whole(fit, joint, term) and timed
 
-    def _is_timed(self, joint: int, term: str) -> bool:
-        """Whether a torque that is earlier than those of the other joints shows it in the whole model, too."""
-        found = self.identification
-        if term != "torque_delay" or found.fit.friction(joint)[TERMS[term].names(0)[0]] > 0.0:
-            return True
+    @cached_property
+    def _unshown(self) -> frozenset[int]:
+        """Joints whose torque is earlier than those of the others, and does not show it in the whole model."""
+        found, (delay,) = self.identification, TERMS["torque_delay"].names(0)
+        early = [j for j in range(len(found.fit.arm.joints)) if found.fit.friction(j).get(delay, 1.0) <= 0.0]
+        if not early:
+            return frozenset()
         glance = Glance(found.equations, found.fit, found.prior)
-        early = EarlyTorques(found.rows, found.equations, found.fit)
-        return is_before_most(glance, found.fit, joint) and early.holds(joint)
+        torques = EarlyTorques(found.rows, found.equations, found.fit)
+        return frozenset(j for j in early if not torques.shows(j, glance))
 
     def list_named(self, joint: int) -> tuple[str, ...]:
         """Terms of a joint that are named, in the order in which they were taken in."""

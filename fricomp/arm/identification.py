@@ -30,7 +30,7 @@ from .search.early_torque import EarlyTorques
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
 from .search.stribeck import hold_velocity, is_curve, refine_stribeck
-from .shared_delay import SharedDelay, is_before_most, measure_delay, measure_seen
+from .shared_delay import SharedDelay, measure_delay, measure_seen
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
 
@@ -207,8 +207,7 @@ def _take_off_delay(
         more = measure_delay(equations, fit, prior)
         ahead = total + more.value < 0.0
         if ahead and not EarlyTorques(rows, equations, fit).is_none_bent():
-            rows = rows.with_delay(recording, 0.0)
-            return rows, equations.with_torque(rows), more.move(total, -total), True
+            return *_move_torques(recording, rows, equations, 0.0), more.move(total, -total), True
         still = abs(more.value) < 0.5 * more.deviation
         moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
         before = more.value
@@ -216,12 +215,18 @@ def _take_off_delay(
         if still:
             break
         total = found.value
-        rows = rows.with_delay(recording, total)
-        equations = equations.with_torque(rows)
+        rows, equations = _move_torques(recording, rows, equations, total)
     if found.is_sure or not total:
         return rows, equations, found, ahead and not total
-    rows = rows.with_delay(recording, 0.0)
-    return rows, equations.with_torque(rows), found._replace(value=0.0), ahead
+    return *_move_torques(recording, rows, equations, 0.0), found._replace(value=0.0), ahead
+
+
+def _move_torques(
+    recording: ArmRecording, rows: ArmRows, equations: ArmEquations, delay: float
+) -> tuple[ArmRows, ArmEquations]:
+    """Rows and equations of torques that are taken to be late by this [s]."""
+    moved = rows.with_delay(recording, delay)
+    return moved, equations.with_torque(moved)
 
 
 def _take_in(
@@ -258,7 +263,7 @@ def _try_out(
     glance, early = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
 
     def is_early(joint: int) -> bool:
-        return not fit.model.prompt and is_before_most(glance, fit, joint) and early.holds(joint)
+        return not fit.model.prompt and early.shows(joint, glance)
 
     gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in propose_models(fit.arm, fit.model)]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}

@@ -18,7 +18,9 @@ from fricomp.laws import FloatArray
 
 from ..equations import ArmEquations
 from ..fit import ArmFit
+from ..glance import Glance
 from ..rows import ArmRows
+from ..shared_delay import is_before_most
 from .judge import Estimate, JointJudge
 
 _DELAY = "torque_delay"
@@ -39,6 +41,15 @@ class EarlyTorques:
     def __init__(self, rows: ArmRows, equations: ArmEquations, fit: ArmFit) -> None:
         self._rows, self._equations, self._fit = rows, equations, fit
         self.measure = cache(self._measure)
+
+    def shows(self, joint: int, glance: Glance) -> bool:
+        """Whether this joint's torque is surely before those of most others, in both of its parts.
+
+        Args:
+            joint: Its number.
+            glance: At the fit.
+        """
+        return is_before_most(glance, self._fit, joint) and self.holds(joint)
 
     def holds(self, joint: int) -> bool:
         """Whether both what links ask of this joint and what rubs in it were recorded early."""
