@@ -12,7 +12,8 @@ from fricomp.arm.rigid.naming import match_joints
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording, RecordingMetadata, convert, load_mapping, read_recording
 from fricomp.recording.named.log import is_native, read_named_log, separate_joints
-from fricomp.recording.named.source import is_bag_folder, read_quantity_files
+from fricomp.recording.named.quantity_files import read_quantity_files
+from fricomp.recording.named.source import is_bag_folder
 from fricomp.simulation_file import compile_simulation
 
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")

@@ -16,11 +16,11 @@ from fricomp.recording.named.choice import TORQUES
 from fricomp.recording.named.clock import find_stamps
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit, says_asked_for
 from fricomp.recording.named.log import NamedLog, are_counts, separate_joints
+from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import (
     has_rows,
     is_bag_folder,
     read_named_columns,
-    read_quantity_files,
     read_unnamed_columns,
 )
 from fricomp.recording.recording import Recording

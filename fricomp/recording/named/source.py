@@ -26,34 +26,16 @@ from fricomp.recording.validity import Samples
 
 from .clock import find_stamps
 from .column import read_column_name
+from .long_rows import separate_long_rows
 
-_JOINT_COLUMNS = ("joint", "joint_name", "name", "motor", "motor_name", "axis", "actuator", "drive")
-_SIGNAL_COLUMNS = (
-    "metric",
-    "signal",
-    "variable",
-    "channel",
-    "measurement",
-    "field",
-    "_field",
-    "topic",
-    "key",
-    "name",
-    "tag",
-    "series",
-)
-_VALUE_COLUMNS = ("value", "_value", "values", "wert", "data")
-"""Names of a table with one number a row, and a word beside it for what it is."""
 _UNITS = ("unit", "units")
 """Names under which a unit stands beside its numbers."""
-_MOST_JOINTS = 64
 _LONGEST_LINE = 100_000
 """Characters of a first line that are looked at."""
 _PLAIN_NUMBER = re.compile(r"[+-]?[\d.]+([eE][+-]?\d+)?")
 _DIGIT = re.compile(r"\d")
 _MOST_UNREAD = 0.05
 """Part of the cells of a quantity that hold digits and are no numbers, above which it is refused."""
-_TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 
 
 def is_bag_folder(path: Path) -> bool:
@@ -323,67 +305,3 @@ def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]
 
 def _to_number(text: str) -> float:
     return number_or_nan((text,), 0, ".")
-
-
-def separate_long_rows(columns: dict[str, Samples], words: Mapping[str, list[str]]) -> dict[str, Samples]:
-    """Columns of each joint, of a table whose rows are of several joints in turns; else the columns as they are.
-
-    Args:
-        columns: By name; those of words hold no number. Shape (n_rows,) each.
-        words: What stands in the latter.
-    """
-    for name, cells in words.items():
-        said = name.rpartition(".")[2].lower()
-        values = [one for one in columns if one.lower() in _VALUE_COLUMNS]
-        signals = list(dict.fromkeys(cells))[: _MOST_JOINTS + 1]
-        if said in _SIGNAL_COLUMNS and len(values) == 1 and 1 < len(signals) <= _MOST_JOINTS:
-            rows, (value,) = np.array(cells), values
-            kept = {one: column for one, column in columns.items() if one not in (value, name)}
-            return kept | {one: np.where(rows == one, columns[value], np.nan) for one in signals if one}
-        joints = list(dict.fromkeys(cells))
-        turns = sum(a != b for a, b in itertools.pairwise(cells))
-        if said in _JOINT_COLUMNS and 1 < len(joints) <= _MOST_JOINTS and turns > 0.1 * len(cells):
-            rows = np.array(cells)
-            separate = {one: values for one, values in columns.items() if read_column_name(one) is not None}
-            kept = {one: values for one, values in columns.items() if one not in separate and one != name}
-            return kept | {
-                f"{joint}/{one}": np.where(rows == joint, values, np.nan)
-                for joint in joints
-                for one, values in separate.items()
-            }
-    return columns
-
-
-def read_quantity_files(folder: Path) -> dict[str, Samples]:
-    """Columns of a folder that holds one quantity a file, all joints in each, without names: `q.txt`, `tau.txt`.
-
-    A file of as many numbers as there are times, or a whole multiple, is read row by row.
-
-    Returns:
-        Named `position:1` and so on, and `time`; empty where the folder is no such.
-    """
-    files = [path for path in sorted(folder.iterdir()) if path.is_file() and is_text(path)]
-    times = [path for path in files if _TIME_FILE.search(path.stem)]
-    meanings = {path: read_column_name(path.stem) for path in files if path not in times}
-    if len(times) != 1 or not any(one is not None and one.channel == "position" for one in meanings.values()):
-        return {}
-    try:
-        time = _load_numbers(times[0]).ravel()
-        columns = {"time": time}
-        for path, meaning in meanings.items():
-            if meaning is None:
-                continue
-            values = _load_numbers(path)
-            if values.size % time.size:
-                raise RecordingError(f"{path} has {values.size} numbers, and {times[0].name} {time.size} times")
-            for k, column in enumerate(values.reshape(time.size, -1).T, start=1):
-                columns[f"{meaning.channel}:{k}"] = column
-    except ValueError:
-        return {}
-    return columns
-
-
-def _load_numbers(path: Path) -> Samples:
-    with path.open(encoding="utf-8", errors="replace") as stream:
-        mark = "," if "," in stream.readline() else None
-    return np.asarray(np.loadtxt(path, delimiter=mark, dtype=np.float64))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.recording.sources.columns import Columns, Contents, columns_of_records, flatten_arrays, flatten_structures
+from fricomp.recording.sources.label_word import JOINT_LABELS, SIGNAL_LABELS
 from fricomp.recording.sources.text import number_or_nan
 from fricomp.recording.validity import Samples
 
@@ -15,10 +16,8 @@ _FEWEST_ROWS = 10
 """Numbers of a column; fewer are a fact beside the rows, such as a gain a joint."""
 _LEVELS = 6
 """Levels of nesting in which a table is looked for."""
-_NAMES_OF_SERIES = ("__name__", "name", "target", "metric", "field", "measurement", "label", "refId")
-_JOINTS_OF_SERIES = ("joint", "joint_name", "motor", "axis")
 _PAIRS = ("values", "datapoints", "points", "data")
-"""What series are called, whose they are, and where their pairs of time and value stand."""
+"""Where the pairs of time and value of a series stand."""
 
 
 def tabulate(content: Any) -> Contents | None:
@@ -152,9 +151,10 @@ def _get_pairs(series: dict[str, Any]) -> list[Any]:
 def _name_series(series: dict[str, Any]) -> str:
     """What a series is called, with its joint before it where that is said."""
     facts = [series, *(value for value in series.values() if isinstance(value, dict))]
-    return "/".join(filter(None, (_find_word(facts, keys) for keys in (_JOINTS_OF_SERIES, _NAMES_OF_SERIES))))
+    return "/".join(filter(None, (_find_word(facts, keys) for keys in (JOINT_LABELS, SIGNAL_LABELS))))
 
 
 def _find_word(facts: Sequence[dict[str, Any]], keys: Sequence[str]) -> str:
-    """The first word that stands under one of these keys; empty where none does."""
-    return next((one[key] for one in facts for key in keys if isinstance(one.get(key), str)), "")
+    """The first word that stands under one of these keys, in capitals or not; empty where none does."""
+    small = [{key.lower(): value for key, value in one.items()} for one in facts]
+    return next((one[key] for one in small for key in keys if isinstance(one.get(key), str)), "")
