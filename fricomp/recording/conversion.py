@@ -43,13 +43,18 @@ class NamedRecording:
     Attributes:
         name: That name.
         recording: The recording.
-        findings: Of its source, which the recording does not show any more: rows that were left out, and what the
-            checks found before it was resampled.
+        findings: Of its source, which the recording does not show any more (rows that were left out, what the checks
+            found before it was resampled), and its own, where it was checked.
     """
 
     name: str
     recording: Recording
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def faults(self) -> tuple[Finding, ...]:
+        """The findings for which it cannot be used."""
+        return tuple(one for one in self.findings if one.severity == "error")
 
 
 @dataclass(frozen=True)

@@ -207,6 +207,18 @@ def load_mapping(name_or_path: str | Path) -> Mapping:
         raise RecordingError(f"mapping {name_or_path}: {error}") from error
 
 
+def set_row_rate(mapping: Mapping, row_rate: float) -> Mapping:
+    """The mapping with a time of so many rows a second [Hz] everywhere."""
+    clock = {"time": ChannelRule(rate=row_rate)}
+    replace = msgspec.structs.replace
+
+    def counted(rules: tuple[FileRule, ...] | tuple[JointRule, ...]) -> tuple[Any, ...]:
+        return tuple(replace(one, channels={**one.channels, **clock}) for one in rules)
+
+    channels = {**mapping.channels, **clock}
+    return replace(mapping, channels=channels, files=counted(mapping.files), joints=counted(mapping.joints))
+
+
 def _read_mapping(name_or_path: str | Path) -> str:
     if str(name_or_path) in list_mappings():
         return (_FOLDER / f"{name_or_path}.toml").read_text(encoding="utf-8")
