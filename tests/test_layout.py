@@ -1,5 +1,7 @@
 """The tests mirror the source: who looks for the tests of a folder finds them under its name."""
 
+import ast
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
@@ -20,6 +22,35 @@ def test_no_folder_of_the_source_holds_more_modules_than_a_reader_takes_in() -> 
     folders = [folder for package in packages for folder in (package, *package.rglob("*/"))]
     assert folders
     assert [str(folder) for folder in folders if len(list(folder.glob("*.py"))) > 25] == []
+
+
+def test_no_module_lists_in_all_what_its_names_say_already() -> None:
+    lists = [(path, listed, public) for path, listed, public in _read_lists() if path.name != "__init__.py"]
+    assert lists
+    assert [str(path) for path, listed, public in lists if listed == public] == []
+
+
+def _read_lists() -> Iterator[tuple[Path, set[str], set[str]]]:
+    """Each module with `__all__`, what stands in it, and the names without an underscore that the module makes."""
+    for path in (file for name in ("adapters", "calibration", "fricomp", "sim_bench") for file in _walk(ROOT / name)):
+        text = path.read_text(encoding="utf-8")
+        if "__all__" not in text:
+            continue
+        made: dict[str, ast.stmt] = {name: node for node in ast.parse(text).body for name in _list_made(node)}
+        if "__all__" in made:
+            listed = {one.value for one in ast.walk(made["__all__"]) if isinstance(one, ast.Constant)}
+            yield path, {str(one) for one in listed}, {name for name in made if not name.startswith("_")}
+
+
+def _walk(package: Path) -> Iterator[Path]:
+    return (path for path in package.rglob("*.py") if not any(one.is_symlink() for one in path.parents))
+
+
+def _list_made(node: ast.stmt) -> list[str]:
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        return [node.name]
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+    return [one.id for target in targets for one in ast.walk(target) if isinstance(one, ast.Name)]
 
 
 def _is_source(place: Path) -> bool:

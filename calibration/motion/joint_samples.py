@@ -18,6 +18,7 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from .parts import MotionParts, split_motion
 
@@ -358,7 +359,7 @@ def _measure_gain(low_pass: FloatArray, settings: RegressionSettings, rate: floa
     of_position = _position_filter(settings, rate)
     angle = np.linspace(0.0, np.pi, _FREQUENCIES)
     gain = np.prod([np.abs(sosfreqz(sections, angle)[1]) ** 2 for sections in (low_pass, of_position)], axis=0)
-    return float(np.sqrt(np.mean((gain * (angle * rate) ** 2) ** 2)))
+    return compute_rms(gain * (angle * rate) ** 2)
 
 
 def _position_filter(settings: RegressionSettings, rate: float) -> FloatArray:

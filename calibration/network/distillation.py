@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from .architecture import Layer, TanhNetwork, forward, forward_with_jacobian
 from .training import TrainingLimits, initial_layers, solve_output_layer, train_network
@@ -116,7 +117,7 @@ def _attempt(
     moving = check.velocity != 0.0
     error = (np.asarray(network.torque(*check)) - function(*check))[moving] / scale
     rounding = single_precision_error(network, *check) / scale
-    return Distillation(network, float(np.max(np.abs(error))), float(np.sqrt(np.mean(error**2))), rounding)
+    return Distillation(network, float(np.max(np.abs(error))), compute_rms(error), rounding)
 
 
 def _fit(network: TanhNetwork, inputs: FloatArray, target: FloatArray, iterations: int) -> TanhNetwork:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from .friction import (
     LEAST_STRIBECK,
@@ -328,7 +329,7 @@ def _measure_spread(values: FloatArray, most: float) -> float:
     if values.size == 0:
         return 1.0
     robust = max(float(np.median(np.abs(values))) / 0.6745, 1e-300)
-    return max(float(np.sqrt(np.mean(np.minimum(np.abs(values), most * robust) ** 2))), 1e-12)
+    return max(compute_rms(np.minimum(np.abs(values), most * robust)), 1e-12)
 
 
 def _measure_inflation(score: FloatArray, rows: ArmRows) -> float:

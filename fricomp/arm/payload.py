@@ -27,6 +27,7 @@ from fricomp.diagnosis.verdict.writing import write_refusal
 from fricomp.errors import DiagnosisError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from .rigid.inertia import N_INERTIA, combine_inertia
 from .rigid.regressor import compute_regressor
@@ -188,7 +189,7 @@ def find_payload(arm: SimulatedArm, sessions: Sequence[Session]) -> Payload:
         by_joint={
             n: float((_solve_folds(one, None)[0] @ _MOMENTS)[0]) for n, one in alone.items() if _find_shown(one)[0]
         },
-        errors={name: (_compute_rms(sides[0][name]), _compute_rms(sides[1][name])) for name in parts},
+        errors={name: (compute_rms(sides[0][name]), compute_rms(sides[1][name])) for name in parts},
     )
 
 
@@ -340,7 +341,7 @@ def _solve_weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -
     for name, part in parts.items():
         table = np.column_stack([part.own, part.payload])[kept[name]]
         left = part.torque[kept[name]] - table @ np.linalg.lstsq(table, part.torque[kept[name]], rcond=SETTINGS.rank)[0]
-        noise[name] = float(np.sqrt(np.mean(left**2)))
+        noise[name] = compute_rms(left)
     columns: list[FloatArray] = []
     targets: list[FloatArray] = []
     for name, part in parts.items():
@@ -361,10 +362,6 @@ def _predict_held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> di
         own = np.linalg.lstsq(part.own[~part.test], target[~part.test], rcond=SETTINGS.rank)[0]
         errors[name] = target[part.test] - part.own[part.test] @ own
     return errors
-
-
-def _compute_rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _write_answer(found: Payload, names: tuple[str, ...], *, single: bool) -> Diagnosis:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from .motion import MotionPart, RecordedMotion, low_pass
 from .result import PositionError, TorqueError
@@ -99,7 +100,7 @@ def summarise_torque(motion: RecordedMotion, found: Sequence[TorqueLeft]) -> Tor
         raise RecordingError("the joint hardly moves in the time that is evaluated: give a longer one")
     blocks = np.array([float(np.mean(one**2)) for one in np.array_split(left, EVALUATION.blocks)])
     return TorqueError(
-        rms=float(np.sqrt(np.mean(left**2))),
+        rms=compute_rms(left),
         ci95_rms=_bootstrap(blocks, lambda drawn: np.sqrt(np.mean(drawn, axis=1))),
         median=float(np.median(np.abs(left))),
         recorded=float(np.std(whole)),
@@ -207,7 +208,7 @@ def _summarise(motion: RecordedMotion, horizon: float, pairs: Sequence[tuple[Flo
         after=horizon,
         median=float(np.median(error)),
         ci95_median=(float(low), float(high)),
-        rms=float(np.sqrt(np.mean(error**2))),
+        rms=compute_rms(error),
         travel=float(np.median(travel)),
         starts=int(error.size),
         unit=motion.position_unit,

@@ -14,6 +14,7 @@ from scipy.signal import butter, savgol_filter, sosfiltfilt
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, resample
+from fricomp.root_mean_square import compute_rms
 
 from .settings import EVALUATION
 
@@ -208,8 +209,8 @@ def _has_velocity(rows: list[Recording], smooth: list[FloatArray], band: float) 
         return False
     recorded = np.concatenate([low_pass(np.asarray(one.velocity), band, one.sample_period) for one in rows])
     slope = np.concatenate([low_pass(v, band, one.sample_period) for v, one in zip(smooth, rows, strict=True)])
-    off = float(np.sqrt(np.mean((recorded - slope) ** 2)))
-    return off < EVALUATION.velocity_lag * float(np.sqrt(np.mean(slope**2)))
+    off = compute_rms(recorded - slope)
+    return off < EVALUATION.velocity_lag * compute_rms(slope)
 
 
 def _build_part(

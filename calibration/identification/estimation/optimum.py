@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import leastsq
 
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from .form import SeparableLaw
 from .likelihood import Noise, Whitened
@@ -57,7 +58,7 @@ class Optimum:
 
     def spread(self) -> float:
         """Root mean square of the whitened residuals."""
-        return float(np.sqrt(np.mean(self.whitened.residual**2)))
+        return compute_rms(self.whitened.residual)
 
     def is_exact(self) -> bool:
         """Whether the closed form meets the data to rounding, where likelihoods no longer compare."""

@@ -33,6 +33,7 @@ from fricomp.diagnosis.record.sentence import Notes, write_record
 from fricomp.diagnosis.samples.sample_finding import compute_held_out
 from fricomp.diagnosis.search.generic import measure_time_since_reversal
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from ..answer import LEAST_FALL, RECURRENCE, ArmAnswer
 from ..arm_recording import find_start_temperature
@@ -155,7 +156,7 @@ def _measure_held_out(left: _LeftOut, unit: str, *, named: bool) -> HeldOut:
     """Errors without and with what is named; the noise is that of most rows, as the fit has it."""
     if named:
         return compute_held_out(left.before, left.after, left.noise, (unit, _SEED))
-    error = float(np.sqrt(np.mean(left.after**2)))
+    error = compute_rms(left.after)
     return HeldOut(
         rmse_before=error,
         rmse_after=error,

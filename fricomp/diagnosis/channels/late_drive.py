@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..effects import EFFECTS
 from ..record.result import NamedEffect, Quantity
@@ -28,10 +29,7 @@ def find_late_drive(recordings: Sequence[Recording]) -> NamedEffect | None:
         return None
     name = max({one.name for one in found}, key=[one.name for one in found].count)
     unit = recordings[0].metadata.torque_unit
-    before, after = (
-        float(np.sqrt(np.mean(np.concatenate([getattr(one, side) for one in found]) ** 2)))
-        for side in ("before", "after")
-    )
+    before, after = (compute_rms(np.concatenate([getattr(one, side) for one in found])) for side in ("before", "after"))
     return NamedEffect(
         name=name,
         kind="measurement",

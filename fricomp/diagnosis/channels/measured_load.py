@@ -14,6 +14,7 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..effects import EFFECTS
 from ..record.result import NamedEffect, Quantity
@@ -146,4 +147,4 @@ def _measure_held_out(columns: FloatArray, rows: _Rows) -> float:
     left = np.zeros_like(rows.torque)
     for rest in (odd, ~odd):
         left[rest] = rows.torque[rest] - columns[rest] @ _solve(columns[~rest], rows.torque[~rest])
-    return float(np.sqrt(np.mean(left**2)))
+    return compute_rms(left)

@@ -10,6 +10,7 @@ import numpy as np
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..inputs.rigid import RigidJoint, Spring
 from ..joint.base import BODY_AND_CURVES
@@ -90,7 +91,7 @@ def compare_given(case: Case, refitted: RefittedJoint, tolerances: Tolerances) -
     read = given is not None and given.covariance is not None  # from a recording of the simulation, friction and all
     if given is not None and given.covariance is not None:
         cov = cov + given.covariance
-    acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in refitted.structure.contexts]) ** 2)))
+    acceleration = compute_rms(np.concatenate([c.acceleration for c in refitted.structure.contexts]))
     if rigid is not None:
         result = compare_rigid(plant, cov[:3, :3], rigid, case.unit, tolerances, acceleration)
     if given is not None and (read or case.friction is None):

@@ -8,6 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.root_mean_square import compute_rms
+
 from ..effects.structure import Structure
 from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit, raise_diagonal
@@ -116,7 +118,7 @@ def _measure_plain(baseline: Baseline, structure: Structure, before: FloatArray,
     rows = np.ones(before.size, dtype=bool) if at_rest else baseline.sliding
     nulls = [np.mean(null[rows] ** 2) for null in map(np.concatenate, map(own.unweigh, baseline.null_residuals))]
     sides = [np.concatenate(weights.unweigh(side))[rows] for side in (before, after)]
-    rms = [float(np.sqrt(np.mean(side**2))) for side in sides]
+    rms = [compute_rms(side) for side in sides]
     return PlainErrors(rms[0], rms[1], float(np.sqrt(np.mean(nulls))))
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fricomp.root_mean_square import compute_rms
+
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Structure
 from ..inputs.rigid import RigidJoint
@@ -106,7 +108,7 @@ def _hold_as_known(baseline: Baseline, rigid: RigidJoint) -> Box:
         baseline.structure.unpack_plant(baseline.fit.theta),
         baseline.structure.contexts,
     )
-    acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in contexts]) ** 2)))
+    acceleration = compute_rms(np.concatenate([c.acceleration for c in contexts]))
     spread = np.diag(compute_body_strays(plant, float(np.hypot(*rigid.gravity)), PLAIN, acceleration) ** 2)
     spread = spread if rigid.covariance is None else spread + rigid.covariance[:3, :3]
     precision = box.precision.copy()

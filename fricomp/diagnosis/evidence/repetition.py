@@ -15,6 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.root_mean_square import compute_rms
+
 from ..inputs.track import FloatArray
 from ..joint.nulls import compute_row_spread
 from ..joint.solver import Box, Fit, raise_diagonal
@@ -122,7 +124,7 @@ def _draw_factor(baseline: Baseline, rng: np.random.Generator) -> FloatArray:
         drawn = rows[rng.integers(0, rows.shape[0], rows.shape[0])]
         usual, other = (compute_row_spread(one, one.mean(axis=0)) for one in (rows, drawn))
         ratio = usual / other
-        parts.append(ratio / float(np.sqrt(np.mean(ratio**2))))
+        parts.append(ratio / compute_rms(ratio))
     return np.concatenate(parts)
 
 

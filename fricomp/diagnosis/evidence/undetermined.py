@@ -6,6 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricomp.root_mean_square import compute_rms
+
 from ..effects.effect import EffectParameter
 from ..effects.settings import EFFECT
 from ..inputs.track import FloatArray
@@ -51,7 +53,7 @@ def _measure_sizes(refitted: RefittedJoint) -> dict[str, float]:
     for side, rows in (("forward", velocity > 0.0), ("reverse", velocity < 0.0)):
         columns[f"{side}.coulomb_torque"] = rows.astype(np.float64)
         columns[f"{side}.viscous_coefficient"] = np.where(rows, velocity, 0.0)
-    sizes = {name: float(np.sqrt(np.mean(column**2))) / recorded for name, column in columns.items()}
+    sizes = {name: compute_rms(column) / recorded for name, column in columns.items()}
     return {"inertia": np.inf, **sizes}
 
 

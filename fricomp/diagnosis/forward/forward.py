@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..effects.forward_part import ForwardPart
 from ..effects.structure import N_BASE, Structure
@@ -49,7 +50,7 @@ def measure_forward_error(
         theta = _train(baseline, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
         runs.append(_build_run(recording, baseline, (chosen.structure, theta), loop, start))
     kept = slice(start + round(FORWARD.settling * (track.size - start)), track.size)
-    errors = [_compute_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
+    errors = [compute_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
     if not all(np.isfinite(errors)) or errors[0] > float(np.ptp(track.position)):
         return None
     metadata = recording.metadata
@@ -113,7 +114,3 @@ def _train(baseline: Baseline, model: tuple[Structure, FloatArray, FloatArray], 
     prior = raise_diagonal(box.scaled_precision, 0.1)
     step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[kept])
     return box.clip(theta + box.scale * np.clip(step, -1.0, 1.0))
-
-
-def _compute_rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -13,6 +13,7 @@ from fricomp.evaluation.motion import low_pass
 from fricomp.model import FrictionModel
 from fricomp.model.plausibility import find_impossible
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..delivery.models import deliver_models
 from ..effects import EFFECTS
@@ -200,7 +201,7 @@ def _is_worth(one: Candidate, fits: tuple[Fitted, Fitted], level: float) -> bool
 def _measure_level(base: Fitted, motion: RecordedMotion) -> float:
     """Size of the sliding friction over the motion [N·m]."""
     speed = np.concatenate([part.smooth_velocity[part.moves] for part in motion.parts])
-    return float(np.sqrt(np.mean(np.square(np.asarray(base.model.torque(speed))))))
+    return compute_rms(np.asarray(base.model.torque(speed)))
 
 
 def _keep_best_of_each(rivals: Sequence[Rival]) -> tuple[Rival, ...]:
@@ -370,8 +371,8 @@ def _measure_noise(recordings: Sequence[Recording], motion: RecordedMotion) -> f
         noise = measure_torque_noise(np.asarray(one.torque), calm)
         size = max(len(one), 500)
         drawn = [low_pass(noise.draw(size, rng), motion.band, motion.dt) for _ in range(LOW_RATE.draws)]
-        sizes.append(float(np.sqrt(np.mean(np.square(drawn)))))
-    return float(np.sqrt(np.mean(np.square(sizes))))
+        sizes.append(compute_rms(drawn))
+    return compute_rms(sizes)
 
 
 def _judge_model(model: FrictionModel, motion: RecordedMotion) -> FrictionModel:

@@ -11,6 +11,7 @@ from fricomp.evaluation import RecordedMotion
 from fricomp.laws import COGGING_TERMS, Coulomb, FrictionLaw, LoadCoulomb, Term, Viscous
 from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..inputs.track import FloatArray
 from .held_out import Fitted
@@ -38,7 +39,7 @@ def write_plain_model(recordings: Sequence[Recording], motion: RecordedMotion) -
     """Coulomb and viscous friction with inertia, gravity and offset, to start fits from."""
     torque, speed = (np.concatenate([getattr(part, name)[part.moves] for part in motion.parts]) for name in _COLUMNS)
     change = np.concatenate([part.acceleration[part.moves] for part in motion.parts])
-    size = float(np.sqrt(np.mean(torque**2)))
+    size = compute_rms(torque)
     metadata = recordings[0].metadata
     positions = [np.asarray(one.position) for one in recordings]
     return FrictionModel(

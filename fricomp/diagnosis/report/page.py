@@ -11,6 +11,7 @@ import numpy as np
 
 from fricomp.recording.parts.data_chart import build_data_table, draw_data_chart
 from fricomp.report import Chart, Outcome, ReportPage, Section, Table
+from fricomp.root_mean_square import compute_rms
 
 from ..record.result import Diagnosis, Evidence, NamedEffect
 from .maps import draw_map_chart, draw_plane_chart
@@ -62,7 +63,7 @@ def _lower_floor(evidence: Evidence) -> Evidence:
     beside a noise floor without it, and so must the charts.
     """
     left = [one.after / one.spread for one in evidence.series]
-    scale = min(1.0, float(np.sqrt(np.mean(np.concatenate(left) ** 2)))) if left else 1.0
+    scale = min(1.0, compute_rms(np.concatenate(left))) if left else 1.0
     if not 0.0 < scale < 1.0:
         return evidence
     series = tuple(replace(one, spread=scale * one.spread) for one in evidence.series)

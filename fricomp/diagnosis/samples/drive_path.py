@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..inputs.delay import apply_lags
 from ..inputs.track import FloatArray
@@ -53,11 +54,11 @@ def find_drive_path(recording: Recording) -> DrivePath | None:
     tried = {name: _find_best(inputs, torque, dt, late) for name, late in _list_shapes(dt).items()}
     name = min(tried, key=lambda one: float(np.mean(tried[one][1] ** 2)))
     value, after = tried[name]
-    errors = {"law": _compute_rms(before), **{key: _compute_rms(error) for key, (_, error) in tried.items()}}
+    errors = {"law": compute_rms(before), **{key: compute_rms(error) for key, (_, error) in tried.items()}}
     still = np.sign(recording.velocity) if recording.velocity is not None else np.zeros(torque.size)
-    errors["coulomb"] = _compute_rms(predict_left_out_blocks(np.column_stack([_build_table(inputs), still]), torque))
+    errors["coulomb"] = compute_rms(predict_left_out_blocks(np.column_stack([_build_table(inputs), still]), torque))
     history = _build_table([np.roll(one, k) for one in inputs for k in range(DRIVE.taps)])
-    errors["history"] = _compute_rms(predict_left_out_blocks(history, torque))
+    errors["history"] = compute_rms(predict_left_out_blocks(history, torque))
     falls = errors[name] <= (1.0 - DRIVE.least_fall) * errors["law"]
     if not falls or errors[name] ** 2 > (1.0 - DRIVE.explained) * np.var(torque):
         return None
@@ -103,7 +104,7 @@ def _find_best(inputs: list[FloatArray], torque: FloatArray, dt: float, late: _L
     """Value with the least held-out error, and that error."""
     grid = _list_values(dt)
     errors = [predict_left_out_blocks(_build_table([late(one, value) for one in inputs]), torque) for value in grid]
-    best = int(np.argmin([_compute_rms(error) for error in errors]))
+    best = int(np.argmin([compute_rms(error) for error in errors]))
     return float(grid[best]), errors[best]
 
 
@@ -116,7 +117,7 @@ def _estimate_deviation(inputs: list[FloatArray], torque: FloatArray, shape: tup
     for part in np.array_split(np.arange(torque.size), DRIVE.folds):
         kept = np.delete(np.arange(torque.size), part)
         left = [torque[kept] - t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=None)[0] for t in tables]
-        found.append(_find_vertex(grid, np.array([_compute_rms(one) for one in left])))
+        found.append(_find_vertex(grid, np.array([compute_rms(one) for one in left])))
     return float(np.sqrt((DRIVE.folds - 1) * np.var(found)))
 
 
@@ -125,7 +126,3 @@ def _find_vertex(grid: FloatArray, values: FloatArray) -> float:
     low, middle, high = values[k - 1 : k + 2]
     bend = low - 2.0 * middle + high
     return float(grid[k] + (0.5 * (low - high) / bend if bend > 0.0 else 0.0) * (grid[1] - grid[0]))
-
-
-def _compute_rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

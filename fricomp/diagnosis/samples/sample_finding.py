@@ -9,6 +9,7 @@ import numpy as np
 
 from fricomp.laws import COGGING_TERMS, POSITION_COULOMB_TERMS, FrictionLaw, Term
 from fricomp.model import FrictionModel
+from fricomp.root_mean_square import compute_rms
 
 from ..effects import EFFECTS
 from ..evidence.findings import Findings
@@ -231,7 +232,7 @@ def compute_held_out(before: FloatArray, after: FloatArray, floor: float, how: t
     energy = np.array([[float(one[b] @ one[b]) for b in blocks] for one in (before, after)])
     drawn = np.random.default_rng(seed).integers(0, LOOK.blocks, (LOOK.bootstraps, LOOK.blocks))
     falls = 1.0 - np.sqrt(energy[1][drawn].sum(axis=1) / energy[0][drawn].sum(axis=1))
-    first, last = (float(np.sqrt(np.mean(one**2))) for one in (before, after))
+    first, last = (compute_rms(one) for one in (before, after))
     low, high = np.quantile(falls, [0.025, 0.975])
     floor = min(floor, last)
     return HeldOut(

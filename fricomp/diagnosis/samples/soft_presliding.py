@@ -13,6 +13,7 @@ import numpy as np
 
 from fricomp.laws import FrictionLaw, LuGre, StribeckCurve
 from fricomp.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 from ..inputs.track import FloatArray, differentiate, find_encoder_step
 from ..joint.kernel import compile_kernel
@@ -71,23 +72,23 @@ def find_soft_presliding(recording: Recording) -> SoftPresliding | None:
     if softest < PRESLIDING.range * stiff:
         return None
     firm = [motion.leave_out(float(d)) for d in np.geomspace(PRESLIDING.firm * stiff, stiff, PRESLIDING.firm_distances)]
-    without = min([*firm, motion.leave_out(stiff, memoryless=True)], key=_compute_rms)
+    without = min([*firm, motion.leave_out(stiff, memoryless=True)], key=compute_rms)
     distances, tried = motion.find_nearest(np.geomspace(stiff, softest, PRESLIDING.distances))
-    if distances is None or _compute_rms(tried) > (1.0 - PRESLIDING.least_fall) * min(
-        _compute_rms(without), motion.spread
+    if distances is None or compute_rms(tried) > (1.0 - PRESLIDING.least_fall) * min(
+        compute_rms(without), motion.spread
     ):
         return None
     if not _wins_most_blocks(without, tried):
         return None
-    everything = _compute_rms(motion.leave_out(float(distances[1]), memoryless=True))
-    if _compute_rms(without) ** 2 - _compute_rms(tried) ** 2 < PRESLIDING.covered * (
-        _compute_rms(without) ** 2 - everything**2
+    everything = compute_rms(motion.leave_out(float(distances[1]), memoryless=True))
+    if compute_rms(without) ** 2 - compute_rms(tried) ** 2 < PRESLIDING.covered * (
+        compute_rms(without) ** 2 - everything**2
     ):
         return None
     errors = {
-        "stiff": min(map(_compute_rms, firm)),
-        "memoryless": _compute_rms(without),
-        "presliding": _compute_rms(tried),
+        "stiff": min(map(compute_rms, firm)),
+        "memoryless": compute_rms(without),
+        "presliding": compute_rms(tried),
     }
     distance, deviation = motion.estimate_distance(distances)
     level, level_error, viscous = motion.estimate_levels(distance)
@@ -160,7 +161,7 @@ class _Motion:
         """Three distances about the best one, and its error; None where the best one is at an end of the range."""
         for zoom in (True, False):
             tried = [self.leave_out(float(d)) for d in distances]
-            best = int(np.argmin([_compute_rms(error) for error in tried]))
+            best = int(np.argmin([compute_rms(error) for error in tried]))
             if not 1 <= best < distances.size - 1:
                 return None, tried[best]
             around, error = distances[best - 1 : best + 2], tried[best]
@@ -177,7 +178,7 @@ class _Motion:
                 t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=PRESLIDING.rank)[0] - torque[kept]
                 for t in tables
             ]
-            found.append(_find_vertex(np.log(around), np.array([_compute_rms(one) for one in fits])))
+            found.append(_find_vertex(np.log(around), np.array([compute_rms(one) for one in fits])))
         return float(np.exp(found[0])), float(np.sqrt((PRESLIDING.folds - 1) * np.var(found[1:])))
 
     def estimate_levels(self, distance: float) -> tuple[float, float, tuple[float, float]]:
@@ -199,7 +200,7 @@ class _Motion:
 def _wins_most_blocks(before: FloatArray, after: FloatArray) -> bool:
     """Whether the error falls as far as it must on most of the blocks that were left out."""
     pairs = zip(np.array_split(before, PRESLIDING.folds), np.array_split(after, PRESLIDING.folds), strict=True)
-    won = [_compute_rms(last) <= (1.0 - PRESLIDING.least_fall) * _compute_rms(first) for first, last in pairs]
+    won = [compute_rms(last) <= (1.0 - PRESLIDING.least_fall) * compute_rms(first) for first, last in pairs]
     return float(np.mean(won)) >= PRESLIDING.won
 
 
@@ -208,7 +209,3 @@ def _find_vertex(at: FloatArray, values: FloatArray) -> float:
     bend = values[0] - 2.0 * values[1] + values[2]
     shift = 0.5 * (values[0] - values[2]) / bend if bend > 0.0 else 0.0
     return float(at[1] + np.clip(shift, -1.0, 1.0) * (at[1] - at[0]))
-
-
-def _compute_rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

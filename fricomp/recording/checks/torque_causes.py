@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
+from fricomp.root_mean_square import compute_rms
 
 __all__ = [
     "JointFit",
@@ -369,7 +370,7 @@ def _fit(motion: _Motion, recording: Recording, torque: Samples, delay: float) -
         inverse = np.linalg.inv(r_part)
     solution = inverse @ (q_part.T @ target)
     left = target - design / scale @ solution
-    residual = float(np.sqrt(np.mean(left**2)))
+    residual = compute_rms(left)
     size = np.sqrt(np.sum(inverse**2, axis=1))
     spread = residual * np.sqrt(_ALIKE) * size
     alone = 1.0 / np.maximum(size, 1e-300) / np.maximum(np.linalg.norm(design / scale, axis=0), 1e-300)

@@ -9,8 +9,6 @@ import numpy as np
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples
 
-__all__ = ["Bursts", "spread_bursts"]
-
 _LONGER = 3.0
 """Step between two bursts over one within them, from which on they are bursts."""
 _LEAST, _MOST = 0.02, 0.5

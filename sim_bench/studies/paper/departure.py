@@ -10,6 +10,7 @@ from fricomp.calibration.identification import DiscrepancyNetwork, Identificatio
 from fricomp.calibration.identification.discrepancy import WEIGHTS, fit_discrepancy, train_towards
 from fricomp.calibration.network import TanhNetwork
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from .problem import PaperProblem
 
@@ -84,4 +85,4 @@ def _collect_errors(
     velocity = np.concatenate([-side[::-1], side])
     exact = _collect_truth(velocity, size)
     functions = [closed, *(network.torque for network in networks)]
-    return [float(np.sqrt(np.mean((np.asarray(f(velocity)) - exact) ** 2))) for f in functions]  # type: ignore[operator]
+    return [compute_rms(np.asarray(f(velocity)) - exact) for f in functions]  # type: ignore[operator]

@@ -8,6 +8,7 @@ import numpy as np
 
 from fricomp.calibration.identification import identify
 from fricomp.laws import FloatArray, LoadScaling
+from fricomp.root_mean_square import compute_rms
 
 from .departure import train_networks
 from .problem import PaperProblem
@@ -61,7 +62,7 @@ def measure_loads(case: str, points: int, seeds: int) -> LoadFigures:
         for errors, loads in ((between, _BETWEEN), (beyond, _BEYOND)):
             v, n = _build_grid(np.linspace(side[0], 1.0, 200), loads)
             exact = _collect_truth(v, n, size)
-            errors.append([float(np.sqrt(np.mean((np.asarray(f(v, normal_load=n)) - exact) ** 2))) for f in functions])
+            errors.append([compute_rms(np.asarray(f(v, normal_load=n)) - exact) for f in functions])
     a, b = np.mean(between, axis=0).tolist(), np.mean(beyond, axis=0).tolist()
     return LoadFigures(case, points, seeds, a, b, departed)
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from ..kit.store import RowStore
 from .problem import PaperProblem, Reading
@@ -71,7 +72,7 @@ def summarise_statistics(ledger: RowStore, reading: Reading) -> StatisticsFigure
         coverage=np.mean(covered, axis=0).tolist(),
         coverage_error=float(np.sqrt(0.95 * 0.05 / n)),
         largest_distance=float(apart.max()),
-        typical_distance=float(np.sqrt(np.mean(apart**2))),
+        typical_distance=compute_rms(apart),
         largest_excess=float(max(row["nll"] - row["oracle_nll"] for row in rows)),
         mean_error=float(np.mean(percent)),
         error_spread=(float(percent.mean(axis=1).min()), float(percent.mean(axis=1).max())),

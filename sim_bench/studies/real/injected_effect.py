@@ -12,6 +12,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.root_mean_square import compute_rms
+
 __all__ = ["INJECTED", "InjectedEffect", "InjectedTorque", "MeasuredMotion", "measure_motion"]
 
 Samples = NDArray[np.float64]
@@ -65,16 +67,12 @@ class MeasuredMotion:
     @property
     def direction(self) -> Samples:
         """Sign of the velocity, falling smoothly to zero at rest. Shape (n_samples,)."""
-        return np.asarray(np.tanh(self.velocity / (_SLOWEST * _rms(self.velocity))))
+        return np.asarray(np.tanh(self.velocity / (_SLOWEST * compute_rms(self.velocity))))
 
     def left_of(self, torque: Samples) -> Samples:
         """What a refit of the base leaves of a torque, in windows. Shape (n_moving,)."""
         rows = _windows(torque, self.time)[self.moving]
         return np.asarray(rows - self.base @ (self.base.T @ rows))
-
-
-def _rms(values: Samples) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _windows(values: Samples, time: Samples) -> Samples:
@@ -91,14 +89,14 @@ def measure_motion(time: Samples, position: Samples, torque: Samples, span: floa
     dt = float(np.median(np.diff(time)))
     length = max(7, 2 * round(0.5 * _SMOOTHING / dt) + 1)
     q, v, a = (savgol_filter(position, length, 3, deriv=k, delta=dt) for k in range(3))
-    moving = np.abs(_windows(v, time)) > _SLOWEST * _rms(v)
+    moving = np.abs(_windows(v, time)) > _SLOWEST * compute_rms(v)
     wanted = _windows(torque, time)[moving]
     best: tuple[float, Samples, Samples, Samples] | None = None
-    for width in np.geomspace(0.03, 1.0, 10) * _rms(v):
+    for width in np.geomspace(0.03, 1.0, 10) * compute_rms(v):
         columns = _base_columns(q, v, a, float(width))
         rows = _windows(columns, time)[moving]
         solution = np.linalg.lstsq(rows, wanted, rcond=1e-10)[0]
-        cost = _rms(wanted - rows @ solution)
+        cost = compute_rms(wanted - rows @ solution)
         if best is None or cost < best[0]:
             best = (cost, rows, columns[:, :_BODY] @ solution[:_BODY], wanted - rows @ solution)
     assert best is not None

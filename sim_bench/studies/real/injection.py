@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, read_public, write_recording
+from fricomp.root_mean_square import compute_rms
 
 from .cases import REAL_CASES
 from .injected_effect import INJECTED, InjectedTorque, MeasuredMotion, measure_motion
@@ -131,12 +132,12 @@ def _trimmed(recording: Recording) -> Recording:
 def _scaled(spec: InjectedSpec, motions: list[MeasuredMotion]) -> _Found:
     """The amplitude at which the wanted share of the recording's own residual survives; most are linear in it."""
     build = INJECTED[spec.effect].build
-    noise = float(np.sqrt(np.mean(np.concatenate([motion.left for motion in motions]) ** 2)))
+    noise = compute_rms(np.concatenate([motion.left for motion in motions]))
 
     def at(amplitude: float) -> tuple[list[InjectedTorque], float]:
         made = [build(motion, amplitude, np.random.default_rng([spec.seed, 5])) for motion in motions]
         left = np.concatenate([motion.left_of(one.torque) for motion, one in zip(motions, made, strict=True)])
-        return made, float(np.sqrt(np.mean(left**2))) / noise
+        return made, compute_rms(left) / noise
 
     amplitude, limit = INJECTED[spec.effect].unit, INJECTED[spec.effect].limit
     made, reached = at(amplitude)

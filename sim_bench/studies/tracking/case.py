@@ -12,6 +12,7 @@ from fricomp.control import Compensator, Controller, ControlLoop, ReferenceState
 from fricomp.control.loop.loop_log import LoopLog
 from fricomp.joint import JointFeedback
 from fricomp.laws import FloatArray
+from fricomp.root_mean_square import compute_rms
 
 from ...stand_in import SensorSettings, SimulatedJointAdapter, default_joint, sensors_for
 from .joint import TrackedJoint, loop_of, scaled_law
@@ -120,8 +121,8 @@ def compute_figures(log: LoopLog, position: Sequence[float], frequency: float, s
     settled = time >= 0.5 / frequency
     reversal = settled & _after_reversal(log.signal("velocity_reference")[:, 0])
     return TrackingFigures(
-        rms=float(np.sqrt(np.mean(error[settled] ** 2))),
-        reversal_rms=float(np.sqrt(np.mean(error[reversal] ** 2))),
+        rms=compute_rms(error[settled]),
+        reversal_rms=compute_rms(error[reversal]),
         time=time,
         error=error,
         reference=reference,

@@ -10,6 +10,7 @@ import numpy as np
 from fricomp.laws import Term
 from fricomp.laws import ThermalFriction as ThermalFrictionTerm
 from fricomp.laws.thermal_friction import STRONGEST_FALL
+from fricomp.root_mean_square import compute_rms
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
@@ -63,7 +64,7 @@ class ThermalFriction(Effect):
         return ForwardPart(states=(_Warmth(context, values),))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
+        speed = max(compute_rms(c.velocity) for c in contexts)
         rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording import read_recording
+from fricomp.root_mean_square import compute_rms
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -129,7 +130,7 @@ def _fit_stribeck(q: Samples, v: Samples, a: Samples, tau: Samples) -> tuple[flo
     best = (np.inf, 0.05, np.empty((0, 0)))
     for width in np.geomspace(0.01, 0.4, 12):
         columns = _base_columns(q, v, a, float(width))
-        left = rmse(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
+        left = compute_rms(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
         if left < best[0]:
             best = (left, float(width), columns)
     return best[1], best[2]
@@ -141,9 +142,4 @@ def fit_columns(data: BaselineData, columns: Samples) -> float:
     scale = np.linalg.norm(columns[train], axis=0)
     columns = columns[:, scale > 0.0] / scale[scale > 0.0]
     solution = np.linalg.lstsq(columns[train], data.torque[train], rcond=1e-10)[0]
-    return rmse((data.torque - columns @ solution)[data.held_out])
-
-
-def rmse(values: Samples) -> float:
-    """Root of the mean square."""
-    return float(np.sqrt(np.mean(values**2)))
+    return compute_rms((data.torque - columns @ solution)[data.held_out])

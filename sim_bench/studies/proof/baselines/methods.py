@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from .data import BaselineAnswer, BaselineData, Samples, fit_columns, rmse
+from fricomp.root_mean_square import compute_rms
+
+from .data import BaselineAnswer, BaselineData, Samples, fit_columns
 from .library import build_library
 
 __all__ = ["METHODS", "fit_base"]
@@ -75,7 +77,7 @@ def _contributions(library: dict[str, Samples], projected: Samples, solution: Sa
     found, start = {}, 0
     for name, columns in library.items():
         part = slice(start, start + columns.shape[1])
-        found[name], start = rmse(projected[:, part] @ solution[part]), part.stop
+        found[name], start = compute_rms(projected[:, part] @ solution[part]), part.stop
     return found
 
 
@@ -104,7 +106,7 @@ def sysid_parameters(data: BaselineData) -> BaselineAnswer:
     library: Any = mujoco  # carries no types
     model = library.MjModel.from_xml_path(str(data.simulation))
     mass, place, inertia = float(model.body_mass[1]), model.body_ipos[1], float(model.body_inertia[1, 1])
-    start = rmse(data.torque)
+    start = compute_rms(data.torque)
     parameters = sysid.ParameterDict()
     for name, nominal, low, high in (
         ("moment_x", mass * place[0], -20.0, 20.0),
@@ -121,7 +123,7 @@ def sysid_parameters(data: BaselineData) -> BaselineAnswer:
 
     with redirect_stdout(StringIO()):  # it prints its iterations and takes no order not to
         fitted, _ = sysid.optimize(parameters, residual, optimizer="scipy", verbose=False)
-    return BaselineAnswer((), rmse((_joint_torque(data, fitted.as_vector()) - data.torque)[data.held_out]))
+    return BaselineAnswer((), compute_rms((_joint_torque(data, fitted.as_vector()) - data.torque)[data.held_out]))
 
 
 def _joint_torque(data: BaselineData, x: Samples) -> Samples:
@@ -142,13 +144,13 @@ def network_residual(data: BaselineData) -> BaselineAnswer:
     left = data.torque - data.base @ solution
     inputs = np.stack([data.position, data.velocity, data.acceleration, data.load, np.sign(data.velocity)], axis=1)
     scaler = StandardScaler().fit(inputs[train])
-    size = rmse(left[train])
+    size = compute_rms(left[train])
     model = MLPRegressor(hidden_layer_sizes=(32,), max_iter=200, early_stopping=True, random_state=0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)
         model.fit(scaler.transform(inputs[train]), left[train] / size)
     predicted = model.predict(scaler.transform(inputs)) * size
-    return BaselineAnswer((), rmse((left - predicted)[data.held_out]))
+    return BaselineAnswer((), compute_rms((left - predicted)[data.held_out]))
 
 
 METHODS: dict[str, Callable[[BaselineData], BaselineAnswer]] = {
