@@ -1,17 +1,32 @@
 """Text and sizes from files that anybody may have made: what would exhaust a parser is an error like any other."""
 
+import sys
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
 import msgspec
 
+from fricomp.errors import RecordingError
+
+if sys.platform == "linux":
+    import resource
+
 _T = TypeVar("_T")
+
+_LIMITS = resource.getrlimit(resource.RLIMIT_DATA) if sys.platform == "linux" else ()
+"""Of this process as it began [bytes]."""
 
 _LEAST_LIMIT = 2**30
 """Content that every file may have once it is unpacked [bytes]: an hour of twenty channels at 1 kHz is half of it."""
 _LARGEST_RATIO = 200
 """Largest ratio of content to file: measured numbers compress to a third at best, constant channels to a hundredth."""
+_CELLS = 2**24
+"""Cells that every table may have; more where at least one of 200 is filled."""
+_COPIES = 4
+"""Memory that reading may take, over the largest content: what was read is there as objects and as arrays."""
 
 
 @overload
@@ -51,5 +66,43 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def find_size_limit(path: Path) -> int:
-    """How large the content of a file may be once it is unpacked [bytes]; one that claims more is no recording."""
-    return max(_LEAST_LIMIT, _LARGEST_RATIO * path.stat().st_size)
+    """How large the content of a file, or a bag, may be once it is unpacked [bytes]; one that claims more is no log."""
+    files = [one for one in path.iterdir() if one.is_file()] if path.is_dir() else [path]
+    return max(_LEAST_LIMIT, _LARGEST_RATIO * sum(file.stat().st_size for file in files))
+
+
+def require_filled(n_rows: int, n_columns: int, n_filled: int) -> None:
+    """Refuse a table that is large for its empty cells alone, before memory is taken for it.
+
+    Raises:
+        RecordingError: It is one: rows that each have columns, or lengths, of their own.
+    """
+    if n_rows * n_columns > max(_CELLS, _LARGEST_RATIO * n_filled):
+        raise RecordingError(
+            f"{n_rows} rows would have {n_columns} columns, and hold {n_filled} values in all: that is no log, or one "
+            "whose rows each have names of their own; write one name a quantity"
+        )
+
+
+@contextmanager
+def limit_memory(path: Path) -> Iterator[None]:
+    """Let what reads this file take a few times its largest content and no more than is free; else it is out of memory.
+
+    Other systems than Linux count memory in other ways, and have no such limit.
+    """
+    if sys.platform != "linux":
+        yield
+        return
+    room = min(_COPIES * find_size_limit(path), _find_free_memory())
+    taken = int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
+    wanted = [taken + room, *(limit for limit in _LIMITS if limit != resource.RLIM_INFINITY)]
+    resource.setrlimit(resource.RLIMIT_DATA, (min(wanted), _LIMITS[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, _LIMITS)
+
+
+def _find_free_memory() -> int:
+    lines = Path("/proc/meminfo").read_text().splitlines()
+    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable"))

@@ -2,11 +2,15 @@
 
 import io
 import re
+import resource
 import shutil
+import sqlite3
 import subprocess
+import sys
 import zipfile
 import zlib
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import msgspec
@@ -31,10 +35,13 @@ from fricomp.laws import FrictionLaw, Stribeck, StribeckCurve
 from fricomp.model import FrictionModel, load_model, save_model
 from fricomp.recording import convert, load_mapping, read_recording
 from fricomp.recording.mapping import Source
+from fricomp.recording.named.source import read_named_columns
 from fricomp.recording.sources import read_columns
 from fricomp.report import Chart, Check, Line, Panel, ReportPage, Section, Table, draw_png, write_report
 from fricomp.untrusted import parse_json, parse_toml
 from fricomp.whole_file import write_whole
+
+from .recording.hostile.ros import write_bag
 
 HOSTILE = 'el"bow\\\n*/ int injected; /* ??/\n\x1b]0;owned\x07 \u202e[bold]$x_{ </script><script>alert(1)</script>'
 DEEP = 100_000
@@ -190,3 +197,76 @@ def test_a_hostile_source_is_one_sentence_of_convert(tmp_path: Path) -> None:
     (tmp_path / "map.toml").write_text('[channels]\ntime.column = "t"\nposition.column = "q"\ntorque.column = "i"\n')
     with pytest.raises(FricompError, match=r"deep.json is no JSON: it is nested too deeply"):
         list(convert(tmp_path / "deep.json", load_mapping(tmp_path / "map.toml")))
+
+
+# -- little files of large tables, and of endless work -----------------------------------------------------------
+
+_OWN_NAMES = [{f"q_{k}": 1.0} for k in range(6000)]
+_LONG_AND_WIDE: dict[str, str] = {
+    "own_names.json": msgspec.json.encode(_OWN_NAMES).decode(),
+    "own_words.json": msgspec.json.encode([{f"q_{k}": "x"} for k in range(6000)]).decode(),
+    "own_names.jsonl": "\n".join(msgspec.json.encode(row).decode() for row in _OWN_NAMES),
+    "wide_head.csv": ",".join(f"q_{k}" for k in range(6000)) + "\n" + "1,2,3\n" * 6000,
+    "one_list.csv": "time,q\n" + '1,"[1]"\n' * 6000 + '2,"[' + "1 " * 6000 + ']"\n',
+    "labels.txt": "".join(f"q{k}=1 t{k}=2\n" for k in range(6000)),
+    "elements.xml.txt": "".join(f'<a{k} x="1" y="2" z="3"/>\n' for k in range(3000)),
+    "messages.txt": "".join(f"---\nposition:\n- {k}\nq_{k}: 1.0\n" for k in range(6000)),
+}
+
+
+@pytest.mark.parametrize("name", _LONG_AND_WIDE)
+def test_rows_that_each_have_names_of_their_own_are_no_log(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(_LONG_AND_WIDE[name])
+    with pytest.raises(FricompError, match="values in all: that is no log"):
+        read_named_columns(tmp_path / name)
+
+
+def test_one_long_list_among_short_ones_is_no_column(tmp_path: Path) -> None:
+    lists = [[1.0]] * 6000 + [[1.0] * 6000]
+    parquet.write_table(pyarrow.table({"time": np.arange(6001.0), "q": lists}), tmp_path / "a.parquet")
+    with pytest.raises(FricompError, match="6001 rows would have 6000 columns"):
+        read_named_columns(tmp_path / "a.parquet")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux alone")
+def test_a_reader_that_takes_more_memory_than_a_log_needs_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    word = pyarrow.DictionaryArray.from_arrays(np.zeros(300_000, dtype=np.int8), ["x" * 10_000])
+    parquet.write_table(pyarrow.table({"t": word, "q": word}), tmp_path / "words.parquet")
+    monkeypatch.setattr("fricomp.untrusted._LEAST_LIMIT", 2**26)
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    with pytest.raises(FricompError, match=r"words.parquet claims more content than there is memory"):
+        read_named_columns(tmp_path / "words.parquet")
+    assert resource.getrlimit(resource.RLIMIT_DATA) == before
+
+
+_WITHOUT_END = (
+    "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x FROM n) SELECT x AS schema_version FROM n WHERE x > 1"
+)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        f"DROP TABLE schema; CREATE VIEW schema AS {_WITHOUT_END}",
+        "CREATE TABLE more(id INTEGER, data BLOB AS\n(zeroblob(1000000000)))",
+        "ALTER TABLE topics RENAME TO old; CREATE TABLE topics(id, name, type, serialization_format, "
+        "offered_qos_profiles, type_description_hash); INSERT INTO topics SELECT old.* FROM old, messages",
+    ],
+)
+def test_a_bag_that_is_computed_without_end_is_refused(change: str, tmp_path: Path) -> None:
+    write_bag(tmp_path / "bag", "sqlite3")
+    with closing(sqlite3.connect(tmp_path / "bag" / "bag.db3")) as base:
+        base.executescript(change)
+    for path in (tmp_path / "bag", tmp_path / "bag" / "bag.db3"):
+        with pytest.raises(FricompError, match=r"bag.db3 computes its tables, or has topics twice"):
+            read_columns(path, Source(), [1])
+
+
+def test_a_bag_with_messages_of_a_thousand_million_names_is_refused(tmp_path: Path) -> None:
+    write_bag(tmp_path / "bag", "sqlite3")
+    with closing(sqlite3.connect(tmp_path / "bag" / "bag.db3")) as base, base:
+        base.execute("UPDATE message_definitions SET encoded_message_definition = 'string[1000000000] name'")
+    with pytest.raises(FricompError, match=r"defines a message with 1000000000 fixed entries"):
+        read_columns(tmp_path / "bag", Source(), [1])

@@ -75,7 +75,7 @@ def _is_native_parquet(path: Path) -> bool:
         names = set(schema.names)
     except (OSError, ArrowException, UnicodeDecodeError):
         return True  # whose reader says what is wrong with it
-    return names <= set(CHANNELS) and not any(types.is_list(field.type) for field in schema)
+    return names <= set(CHANNELS) and all(types.is_floating(one) or types.is_integer(one) for one in schema.types)
 
 
 def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row_rate: float | None = None) -> NamedLog:

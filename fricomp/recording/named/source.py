@@ -23,6 +23,7 @@ from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_na
 from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
 from fricomp.recording.sources.topic import Topic
 from fricomp.recording.validity import Samples
+from fricomp.untrusted import require_filled
 
 from .clock import find_stamps
 from .column import read_column_name
@@ -194,6 +195,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
         raise RecordingError(explain_unnamed(path))
     rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
     names = _name_index(layout.names, rows)
+    require_filled(len(rows), len(names), sum(map(len, rows)))
     columns: dict[str, Samples] = {}
     words: dict[str, list[str]] = {}
     for k, name in enumerate(names):
@@ -288,6 +290,7 @@ def read_unnamed_columns(path: Path) -> dict[str, Samples]:
     layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
     rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
     numbers = range(max(map(len, rows), default=0))
+    require_filled(len(rows), len(numbers), sum(map(len, rows)))
     return {str(k + 1): np.array([number_or_nan(row, k, layout.decimal) for row in rows]) for k in numbers}
 
 
@@ -296,6 +299,7 @@ def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]
     if cells and cells[0][:1] in ("[", "("):
         entries = [[_to_number(each) for each in cell.strip("[]()").replace(",", " ").split()] for cell in cells]
         width = max(map(len, entries))
+        require_filled(len(entries), width, sum(map(len, entries)))
         matrix = np.full((len(entries), width), np.nan)
         for row, numbers in zip(matrix, entries, strict=True):
             row[: len(numbers)] = numbers

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column
 from fricomp.recording.sources.text_layout import parse_number
+from fricomp.untrusted import require_filled
 
 Columns = dict[Column, NDArray[np.float64]]
 """By name, and by number from 1 where the source has an order; a name made of digits is still a name."""
@@ -90,6 +91,7 @@ def columns_of_records(records: Iterable[Any]) -> Columns:
     records = list(records)
     rows = [_flatten_record(record) for record in records]
     names = dict.fromkeys(name for row in rows for name in row)
+    require_filled(len(rows), len(names), sum(map(len, rows)))
     columns: Columns = {name: np.array([row.get(name, np.nan) for row in rows], dtype=np.float64) for name in names}
     if all(isinstance(record, list | tuple) for record in records):
         columns.update({int(name): columns[name] for name in names if name.isdigit()})

@@ -11,6 +11,7 @@ from fricomp.recording.sources.columns import Columns, Contents, columns_of_reco
 from fricomp.recording.sources.label_word import JOINT_LABELS, SIGNAL_LABELS
 from fricomp.recording.sources.text import number_or_nan
 from fricomp.recording.validity import Samples
+from fricomp.untrusted import require_filled
 
 _FEWEST_ROWS = 10
 """Numbers of a column; fewer are a fact beside the rows, such as a gain a joint."""
@@ -51,7 +52,9 @@ def _read_dates(value: Any) -> Any:
 def _list_words(records: Sequence[Any]) -> dict[str, list[str]]:
     """The words of each row under their path; of rows that are lists none."""
     rows = [dict(_walk_words(record)) for record in records if isinstance(record, Mapping)]
-    return {name: [row.get(name, "") for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
+    names = dict.fromkeys(name for row in rows for name in row)
+    require_filled(len(rows), len(names), sum(map(len, rows)))
+    return {name: [row.get(name, "") for row in rows] for name in names}
 
 
 def _walk_words(record: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from fricomp.recording.unit_word import read_unit
+from fricomp.untrusted import require_filled
 
 from .text_layout import FIRST_LINES, parse_number
 
@@ -44,7 +45,13 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
     rows = [{_name_with_unit(label, unit): number for label, number, unit in found} for _, found in labelled]
     stamps = _read_stamps([line for line, _ in labelled])
     rows = [row | {_STAMPS: stamp} for row, stamp in zip(rows, stamps, strict=True)] if stamps else rows
+    return join_rows(rows)
+
+
+def join_rows(rows: Sequence[Mapping[str, str]]) -> list[str]:
+    """Lines of a table with the names of all rows above them; a row has nothing where it has no such name."""
     names = list(dict.fromkeys(name for row in rows for name in row))
+    require_filled(len(rows), len(names), sum(map(len, rows)))
     header = ",".join(f'"{name}"' if "," in name else name for name in names)
     return [header, *(",".join(row.get(name, "") for name in names) for row in rows)]
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from fricomp.recording.unit_word import find_unit_words
 
-from .labelled_rows import tabulate_labelled
+from .labelled_rows import join_rows, tabulate_labelled
 from .text_layout import (
     FIRST_LINES,
     TextLayout,
@@ -77,8 +77,7 @@ def _tabulate_messages(lines: Sequence[str]) -> list[str] | None:
             message = []
         else:
             message.append(line)
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    return [",".join(names), *(",".join(row.get(name, "") for name in names) for row in rows)]
+    return join_rows(rows)
 
 
 def _read_message(lines: Sequence[str]) -> dict[str, str]:
@@ -148,8 +147,7 @@ def _tabulate_elements(lines: Sequence[str]) -> list[str] | None:
     if sum(len(_read_elements(line)) >= _FEWEST_ENTRIES for line in first) <= _MOSTLY * len(first):
         return None
     rows = [row for line in lines if len(row := _read_elements(line)) >= _FEWEST_ENTRIES]
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    return [",".join(names), *(",".join(row.get(name, "") for name in names) for row in rows)]
+    return join_rows(rows)
 
 
 def _read_elements(line: str) -> dict[str, str]:

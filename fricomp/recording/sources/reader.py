@@ -11,6 +11,7 @@ from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
 from fricomp.recording.sources.table import read_table
 from fricomp.recording.sources.text import read_text
+from fricomp.untrusted import limit_memory
 
 _LONGEST_REASON = 300  # characters of a foreign error that are told
 _READERS: dict[Format, Callable[[Path, Source], Columns]] = {
@@ -113,7 +114,8 @@ def refuse_damage(path: Path, kind: Format) -> Iterator[None]:
         RecordingError: In place of whatever else is raised.
     """
     try:
-        yield
+        with limit_memory(path):
+            yield
     except FricompError:
         raise
     except OSError as error:

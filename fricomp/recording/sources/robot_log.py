@@ -15,11 +15,14 @@ import numpy as np
 
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
+from fricomp.recording.sources.bag_guard import require_plain_data_bases, require_small_arrays
 from fricomp.recording.sources.columns import Columns, columns_of_records
 from fricomp.recording.sources.protobuf_message import read_stamped_message
 from fricomp.recording.sources.topic import Topic, join_topics
 from fricomp.untrusted import parse_json
 
+_LONGEST_REASON = 300
+"""Characters of a foreign error that are told: some repeat the file."""
 _JOINT_STATE = ("sensor_msgs/msg/JointState", "sensor_msgs/JointState")
 
 
@@ -131,8 +134,13 @@ def read_rosbag(path: Path, source: Source) -> Columns:
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise MissingExtraError("rosbags", "convert") from error
+    require_plain_data_bases(path)
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        bag = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        for one in bag.readers:
+            with one:
+                require_small_arrays(path, (connection.msgdef.data for connection in one.connections))
+        with bag as reader:
             states = {c.topic for c in reader.connections if c.msgtype in _JOINT_STATE}
             topic = source.topic if source.join and source.topic else _choose_topic(states, source.topic, path)
             chosen = [c for c in reader.connections if c.topic in (topic, *source.join)]
@@ -141,7 +149,7 @@ def read_rosbag(path: Path, source: Source) -> Columns:
                 message = reader.deserialize(raw, connection.msgtype)
                 topics.setdefault(connection.topic, Topic()).add(at * 1e-9, _read_ros(message, connection, at * 1e-9))
     except (AnyReaderError, Reader1Error, Reader2Error) as error:
-        raise RecordingError(f"{path} is no bag that can be read: {error}") from error
+        raise RecordingError(f"{path} is no bag that can be read: {str(error)[:_LONGEST_REASON]}") from error
     return join_topics(topics, topic, source.join, clock=source.clock)
 
 

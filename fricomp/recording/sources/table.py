@@ -11,7 +11,7 @@ from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.unit import UNITS
 from fricomp.recording.validity import Samples
-from fricomp.untrusted import parse_json
+from fricomp.untrusted import parse_json, require_filled
 
 _INFO = Path("meta") / "info.json"
 _ARROW = (".feather", ".arrow", ".ipc")
@@ -76,6 +76,8 @@ def _read_stamps(column: Any) -> Samples | None:
     """Dates as seconds since 1970, lengths and times of day as seconds [s]; None of a column of anything else."""
     from pyarrow import types
 
+    if types.is_date(column.type):
+        column = column.cast("timestamp[ms]")
     if not (types.is_timestamp(column.type) or types.is_duration(column.type) or types.is_time(column.type)):
         return None
     whole = "int32" if types.is_time32(column.type) else "int64"
@@ -90,6 +92,7 @@ def _columns_of(name: str, values: list[Any], entries: list[str]) -> Columns:
             return {}
         return {name: np.array([np.nan if value is None else value for value in values], dtype=np.float64)}
     width = max(map(len, lists))
+    require_filled(len(values), width, sum(map(len, lists)))
     matrix = np.full((len(values), width), np.nan)
     for row, value in zip(matrix, values, strict=True):
         numbers = [entry for entry in value or [] if isinstance(entry, int | float)]

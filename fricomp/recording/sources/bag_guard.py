@@ -1,0 +1,57 @@
+"""What a bag may hold that its reader would work on without end: queries in a data base, endless definitions."""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+from collections.abc import Iterable
+from contextlib import closing
+from pathlib import Path
+
+from fricomp.errors import RecordingError
+
+__all__ = ["require_plain_data_bases", "require_small_arrays"]
+
+_LENGTH = re.compile(r"\[\s*(\d+)\s*\]|<[^<>]*,\s*(\d+)\s*>")
+"""A fixed length in a definition of ROS, or in one of IDL."""
+_LONGEST_ARRAY = 10_000
+"""Entries of a fixed array: the reader writes a line of its program for each; those of ROS have 36."""
+_COMPUTED = re.compile(r"\bAS\b|^CREATE (?!TABLE|INDEX|UNIQUE INDEX)", re.IGNORECASE)
+"""What makes a view, a column that is computed, a trigger or a table of a plug-in."""
+_REPEATED = "SELECT count(*) > count(DISTINCT id) FROM topics"
+
+
+def require_plain_data_bases(path: Path) -> None:
+    """Refuse a bag whose tables are computed as they are read, such as views, or multiply its messages by topics.
+
+    Args:
+        path: A data base, or the folder of a bag; files that are no data base are left to the reader.
+
+    Raises:
+        RecordingError: It is such a bag.
+    """
+    for file in sorted(path.glob("*.db3")) if path.is_dir() else [path]:
+        try:
+            with closing(sqlite3.connect(f"{file.absolute().as_uri()}?immutable=1&mode=ro", uri=True)) as base:
+                made = [sql for (sql,) in base.execute("SELECT sql FROM sqlite_master") if sql]
+                is_odd = any(map(_COMPUTED.search, made)) or base.execute(_REPEATED).fetchone()[0]
+        except (sqlite3.Error, ValueError):
+            continue
+        if is_odd:
+            raise RecordingError(
+                f"{file} computes its tables, or has topics twice: it is no bag that a robot has written"
+            )
+
+
+def require_small_arrays(path: Path, definitions: Iterable[str]) -> None:
+    """Refuse a bag with message definitions of arrays of any length.
+
+    Raises:
+        RecordingError: One is longer than any message is.
+    """
+    for definition in set(definitions):
+        lengths = [int(first or second) for first, second in _LENGTH.findall(definition)]
+        if sum(lengths) > _LONGEST_ARRAY:
+            raise RecordingError(
+                f"{path} defines a message with {max(lengths)} fixed entries: it is no log that is read"
+            )
