@@ -2,11 +2,12 @@
 
     python tests/recording/hostile_files.py --count 100000 --formats csv parquet --seed 0
 
-Every reader answers each with a result or an error of its own. Of three copies one is damaged, one is damaged or well
-formed with other values, and one is a well-formed file of another schema. A child process reads the files, with a limit
-on its memory and on the time of each: what kills it, such as a fault in a parser written in C, is told with the file
-that did. MATLAB files, each of which is read by a process of its own, are read by copies of that child, which has scipy
-already. A line is written for each batch of files, so that a run that was stopped goes on by `--first`.
+A reader, another one by turns, answers each with a result or an error of its own. Of three copies one is damaged, one is
+damaged or well formed with other values, and one is a well-formed file of another schema. A child process reads the
+files, with a limit on its memory and on the time of each: what kills it, such as a fault in a parser written in C, is
+told with the file that did. MATLAB files, each of which is read by a process of its own, are read by copies of that
+child, which has scipy already. A line is written for each batch of files, so that a run that was stopped goes on by
+`--first`.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ __all__ = ["FORMATS", "Outcome", "read_hostile", "write_seed_file"]
 
 MEMORY = 3 * 2**30  # of a reader [bytes]; content of 1 GiB, twice, and the libraries
 SECONDS = 20  # for one file; a usual one takes a hundredth of a second
-BATCH = 5000  # files that one child reads
+BATCH = 10_000  # files that one child reads
 
 Outcome = Counter[str]
 """How many files were read, refused, and each kind of fault, by name."""
@@ -82,7 +83,8 @@ def read_hostile(name: str, count: int, seed: int, *, first: int = 0, at: Path |
                 if at is not None:
                     at.write_text(str(number))
                 path = _write_copy(name, whole, Path(folder) / "copy", np.random.default_rng([seed, number]), number)
-                outcome.update(_try(read, path, number) for read in _choose_readers(name, number))
+                readers = FORMATS[name].readers
+                outcome[_try(readers[number // 3 % len(readers)], path, number)] += 1
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
@@ -105,13 +107,6 @@ def _write_copy(name: str, whole: Path, place: Path, rng: np.random.Generator, n
     spoil = found.exchange if found.exchange is not None and number % 3 == 1 else damage
     hit.write_bytes(spoil(hit.read_bytes(), rng))
     return place / found.file
-
-
-def _choose_readers(name: str, number: int) -> tuple[Callable[[Path], object], ...]:
-    """All readers of a file of another schema; of a damaged one, which most refuse alike, one by turns."""
-    readers = FORMATS[name].readers
-    turn = number // 3 % len(readers)
-    return readers if number % 3 == 2 else readers[turn : turn + 1]
 
 
 def _try(read: Callable[[Path], object], path: Path, number: int) -> str:

@@ -71,7 +71,8 @@ def flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, A
             flat.update(flatten_structures(value, f"{prefix}{name}."))
         elif _are_signals(value):
             for number, signal in enumerate(value, start=1):
-                flat[f"{prefix}{name}.{signal.get('label') or number}"] = signal["values"]
+                label = signal.get("label")  # of a signal without a name an array of nothing
+                flat[f"{prefix}{name}.{label if isinstance(label, str) and label else number}"] = signal["values"]
         else:
             flat[f"{prefix}{name}"] = value
     return flat

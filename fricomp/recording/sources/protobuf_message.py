@@ -18,7 +18,8 @@ def read_stamped_message(message: Any) -> dict[str, Any]:
     """
     record, fields = _read_message(message), message.DESCRIPTOR.fields
     stamps = [record.get(one.name) for one in fields if _holds(one, _STAMP)]
-    if "header" in record and isinstance(record["header"], dict):
+    header = message.DESCRIPTOR.fields_by_name.get("header")
+    if isinstance(record.get("header"), dict) and not header.is_repeated:
         stamps += [record["header"].get(one.name) for one in message.header.DESCRIPTOR.fields if _holds(one, _STAMP)]
     stamp = next((one for one in stamps if one), None)  # zero is what nobody has set
     return record if stamp is None else {"time": stamp, **record}
