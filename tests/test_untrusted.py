@@ -206,7 +206,7 @@ _LONG_AND_WIDE: dict[str, str] = {
     "own_names.json": msgspec.json.encode(_OWN_NAMES).decode(),
     "own_words.json": msgspec.json.encode([{f"q_{k}": "x"} for k in range(6000)]).decode(),
     "own_names.jsonl": "\n".join(msgspec.json.encode(row).decode() for row in _OWN_NAMES),
-    "wide_head.csv": ",".join(f"q_{k}" for k in range(6000)) + "\n" + "1,2,3\n" * 6000,
+    "short_rows.csv": ",".join(f"q_{k}" for k in range(300)) + "\n" + ("1," * 299 + "1\n") * 60 + "1\n" * 60_000,
     "one_list.csv": "time,q\n" + '1,"[1]"\n' * 6000 + '2,"[' + "1 " * 6000 + ']"\n',
     "labels.txt": "".join(f"q{k}=1 t{k}=2\n" for k in range(6000)),
     "elements.xml.txt": "".join(f'<a{k} x="1" y="2" z="3"/>\n' for k in range(3000)),

@@ -2,12 +2,11 @@
 
     python tests/recording/hostile_files.py --count 100000 --formats csv parquet --seed 0
 
-A reader, another one by turns, answers each with a result or an error of its own. Of three copies one is damaged, one is
-damaged or well formed with other values, and one is a well-formed file of another schema. A child process reads the
-files, with a limit on its memory and on the time of each: what kills it, such as a fault in a parser written in C, is
-told with the file that did. MATLAB files, each of which is read by a process of its own, are read by copies of that
-child, which has scipy already. A line is written for each batch of files, so that a run that was stopped goes on by
-`--first`.
+One reader by turns answers each with a result or an error of its own. Of three copies one is damaged, one is damaged or
+well formed with other values, and one is a well-formed file of another schema. A child process reads the files, with a
+limit on its memory and on the time of each: what kills it, such as a fault in a parser written in C, is told with the
+file that did. MATLAB files, each of which is read by a process of its own, are read by copies of that child, which has
+scipy already. A line is written for each batch of files, so that a run that was stopped goes on by `--first`.
 """
 
 from __future__ import annotations
