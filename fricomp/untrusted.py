@@ -16,7 +16,7 @@ if sys.platform == "linux":
 
 _T = TypeVar("_T")
 
-_LIMITS = resource.getrlimit(resource.RLIMIT_DATA) if sys.platform == "linux" else ()
+_LIMITS = resource.getrlimit(resource.RLIMIT_DATA) if sys.platform == "linux" else (-1, -1)
 """Of this process as it began [bytes]."""
 
 _LEAST_LIMIT = 2**30

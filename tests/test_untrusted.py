@@ -10,7 +10,7 @@ import sys
 import zipfile
 import zlib
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 
 import msgspec
@@ -226,6 +226,18 @@ def test_one_long_list_among_short_ones_is_no_column(tmp_path: Path) -> None:
     parquet.write_table(pyarrow.table({"time": np.arange(6001.0), "q": lists}), tmp_path / "a.parquet")
     with pytest.raises(FricompError, match="6001 rows would have 6000 columns"):
         read_named_columns(tmp_path / "a.parquet")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [" " * 30_000 + "x", "1" + " " * 30_000 + "x", "a" * 30_000 + "!", "can" * 10_000 + "!", "a1" * 15_000 + "!"],
+)
+def test_a_line_without_end_is_looked_at_in_one_pass(line: str, tmp_path: Path) -> None:
+    wave = "\n".join(f"{0.01 * k:.2f},{k},{-k}" for k in range(60))
+    for text in (f"time,position,torque\n{line}\n{wave}\n", f"{line}\n" * 3, f"time,position,{line}\n{wave}\n"):
+        (tmp_path / "log.txt").write_text(text)
+        with suppress(FricompError):
+            assert read_named_columns(tmp_path / "log.txt")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux alone")

@@ -34,6 +34,8 @@ TIMES: tuple[str, ...] = (
 )
 """Words for a time."""
 
+_LONGEST_WORD = 60
+"""Letters of a word that may be two: what is longer is none."""
 _COMPOUND = re.compile(
     r"(\w+)(drehmoment|moment|geschwindigkeit|drehzahl|beschleunigung|winkel|strom|temperatur|kraft|position)"
 )
@@ -59,7 +61,8 @@ def split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
     words = []
     for match in TOKEN.finditer(name):
         word, (start, end) = _simplify_letters(match.group()), match.span()
-        joined = None if word in WORDS else _COMPOUND.fullmatch(word) or _JOINED.fullmatch(word)
+        is_whole = word in WORDS or len(word) > _LONGEST_WORD
+        joined = None if is_whole else _COMPOUND.fullmatch(word) or _JOINED.fullmatch(word)
         if joined:
             cut = start + joined.end(1)
             words += [(joined.group(1), (start, cut)), (joined.group(2), (cut, end))]

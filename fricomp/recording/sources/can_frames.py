@@ -9,12 +9,14 @@ from pathlib import Path
 from fricomp.errors import RecordingError
 
 _FRAME = re.compile(
-    r"^\s*(?:\(?[\d.: -]+\)?\s+)?\w*can\w*\s+[0-9A-F]{3,8}(?:#{1,2}[0-9A-F]*|\s+(?:\[\d+\]\s+)?(?:[0-9A-F]{2}\s*)+)$"
-    r"|^\s*[\d.]+\s+\d+\s+[0-9A-F]{3,8}x?\s+(?:Rx|Tx)\s+d\s+\d",
+    r"^(?:\(?[\d.: -]++\)?\s*+)?\w*can\w*\s+[0-9A-F]{3,8}(?:#{1,2}[0-9A-F]*|\s+(?:\[\d+\]\s+)?(?:[0-9A-F]{2}\s*)+)$"
+    r"|^[\d.]+\s+\d+\s+[0-9A-F]{3,8}x?\s+(?:Rx|Tx)\s+d\s+\d",
     re.IGNORECASE,
 )
 """A line of `candump`, or of the ASC files of Vector."""
 _MOSTLY = 0.5
+_LONGEST = 400
+"""Characters of a line that are looked at: a frame of 64 bytes has 260."""
 
 
 def refuse_frames(path: Path, lines: Sequence[str]) -> None:
@@ -27,7 +29,7 @@ def refuse_frames(path: Path, lines: Sequence[str]) -> None:
     Raises:
         RecordingError: Most of them are frames.
     """
-    said = [line for line in lines if line.strip()]
+    said = [line.strip()[:_LONGEST] for line in lines if line.strip()]
     if sum(_FRAME.match(line) is not None for line in said) > _MOSTLY * len(said):
         raise RecordingError(
             f"{path} holds bare frames of a CAN bus, which do not say what their bytes are: decode it by the "
