@@ -89,3 +89,14 @@ def test_a_message_with_several_headers_is_read() -> None:
     kind: Any = message_factory.GetMessageClass(pool.FindMessageTypeByName("own.Joint"))
     record = read_stamped_message(kind(position=1.0, header=[kind(name="a", position=2.0)]))
     assert record == {"position": 1.0, "header": {"a": {"position": 2.0, "header": {}}}}
+
+
+@pytest.mark.parametrize("names", ["dt,q,tau", "time,q,tau", "sec,nanosec,q,tau"])
+@pytest.mark.parametrize("rows", [0, 1])
+def test_a_table_without_times_is_refused_in_words(names: str, rows: int, tmp_path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    parquet.write_table(pyarrow.table({name: np.zeros(rows) for name in names.split(",")}), tmp_path / "log.parquet")
+    with pytest.raises(RecordingError, match="holds no times"):
+        read_recording(tmp_path / "log.parquet")

@@ -108,11 +108,13 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     if not names:
         steps = next((name for name in columns if says_steps(name) and np.all(columns[name] >= 0.0)), "")
         if steps:
+            _require_times(path, steps, columns[steps])
             unit = _read_unit(steps) or _guess_unit(np.cumsum(columns[steps]))
             return RowTimes(steps, unit, np.cumsum(columns[steps]) * find_unit(unit).factor)
         split = _find_split_stamp(columns)
         if split is not None:
             seconds, rest = columns[split[0]], columns[split[1]]
+            _require_times(path, split[0], seconds)
             return RowTimes(NANOSECONDS.join(split), "s", (seconds - seconds[0]) + 1e-9 * (rest - rest[0]))
         if all(read_column_name(name) is None for name in columns):
             raise RecordingError(_explain_nameless(path, columns))
@@ -121,14 +123,20 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
             "rate of its rows: 'fricomp convert LOG --row-rate 500 --out joint.csv' where 500 rows come a second"
         )
     time = columns[names[0]]
-    finite = time[np.isfinite(time)]
-    if finite.size < 2:
-        raise RecordingError(
-            f"{path}: the column {names[0]!r} holds no times that are read: write seconds, or dates such as "
-            "2026-03-05T10:11:12.345"
-        )
+    finite = _require_times(path, names[0], time)
     unit = _read_unit(names[0]) or _guess_unit(finite)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _require_times(path: Path, name: str, values: Samples) -> Samples:
+    """The times of a column that are finite; two are the least that say anything."""
+    finite: Samples = values[np.isfinite(values)]
+    if finite.size < 2:
+        raise RecordingError(
+            f"{path}: the column {name!r} holds no times that are read: write seconds, or dates such as "
+            "2026-03-05T10:11:12.345"
+        )
+    return finite
 
 
 def _guess_unit(stamps: Samples) -> str:
