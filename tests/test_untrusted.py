@@ -41,7 +41,7 @@ from fricomp.report import Chart, Check, Line, Panel, ReportPage, Section, Table
 from fricomp.untrusted import parse_json, parse_toml
 from fricomp.whole_file import write_whole
 
-from .recording.hostile.ros import write_bag
+from .recording.hostile.ros import load_types, write_bag
 
 HOSTILE = 'el"bow\\\n*/ int injected; /* ??/\n\x1b]0;owned\x07 \u202e[bold]$x_{ </script><script>alert(1)</script>'
 DEEP = 100_000
@@ -281,4 +281,23 @@ def test_a_bag_with_messages_of_a_thousand_million_names_is_refused(tmp_path: Pa
     with closing(sqlite3.connect(tmp_path / "bag" / "bag.db3")) as base, base:
         base.execute("UPDATE message_definitions SET encoded_message_definition = 'string[1000000000] name'")
     with pytest.raises(FricompError, match=r"defines a message with 1000000000 fixed entries"):
+        read_columns(tmp_path / "bag", Source(), [1])
+
+
+def test_a_bag_that_unpacks_without_end_is_refused_before_the_disk_is_filled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, Writer
+    from zstandard import compress
+
+    monkeypatch.setattr("fricomp.untrusted._LEAST_LIMIT", 2**24)
+    bag = Writer(tmp_path / "bag", version=9)
+    bag.set_compression(CompressionMode.FILE, CompressionFormat.ZSTD)
+    with bag:
+        bag.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=load_types())
+    (file,) = (tmp_path / "bag").glob("*.zstd")
+    with pytest.raises(FricompError, match="there is no topic"):  # unpacked, and empty
+        read_columns(tmp_path / "bag", Source(), [1])
+    file.write_bytes(compress(bytes(2**25)))
+    with pytest.raises(FricompError, match="unpacks into more than 16777216 bytes"):
         read_columns(tmp_path / "bag", Source(), [1])

@@ -15,7 +15,7 @@ import numpy as np
 
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.sources.bag_guard import require_plain_data_bases, require_small_arrays
+from fricomp.recording.sources.bag_guard import require_plain_files, require_small_arrays
 from fricomp.recording.sources.columns import Columns, columns_of_records
 from fricomp.recording.sources.protobuf_message import read_stamped_message
 from fricomp.recording.sources.topic import Topic, join_topics
@@ -134,7 +134,7 @@ def read_rosbag(path: Path, source: Source) -> Columns:
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise MissingExtraError("rosbags", "convert") from error
-    require_plain_data_bases(path)
+    require_plain_files(path)
     try:
         bag = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         for one in bag.readers:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["write_bag", "write_strange_bag"]
+__all__ = ["load_types", "write_bag", "write_strange_bag"]
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _OTHERS = ("geometry_msgs/msg/WrenchStamped", "std_msgs/msg/Float64MultiArray", "sensor_msgs/msg/Imu")
@@ -22,7 +22,8 @@ _DEFINITIONS = (
 
 
 @cache
-def _load_types() -> Any:
+def load_types() -> Any:
+    """The messages of ROS 2 that everybody has."""
     from rosbags.typesys import Stores, get_typestore
 
     return get_typestore(Stores.ROS2_HUMBLE)
@@ -36,7 +37,7 @@ def _open(path: Path, storage: str) -> Any:
 
 def write_bag(path: Path, storage: str) -> None:
     """Write a bag with the states of one joint."""
-    store = _load_types()
+    store = load_types()
     with _open(path, storage) as bag:
         connection = bag.add_connection("/joint_states", _JOINT_STATE, typestore=store)
         for number in range(20):
@@ -45,7 +46,7 @@ def write_bag(path: Path, storage: str) -> None:
 
 
 def _make_state(stamp: int, names: list[str], *values: Any) -> Any:
-    store = _load_types()
+    store = load_types()
     time, header, state = (
         store.types[name] for name in ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", _JOINT_STATE)
     )
@@ -60,7 +61,7 @@ def write_strange_bag(path: Path, rng: np.random.Generator, storage: str) -> Non
     with _open(path, storage) as bag:
         for topic in ("/joint_states", "/joint_states", "/other", "/none")[: int(rng.integers(1, 5))]:
             kind = _JOINT_STATE if rng.random() < 0.7 else str(rng.choice([*_OTHERS, "own/msg/Joint"]))
-            store = _load_types()
+            store = load_types()
             if kind == "own/msg/Joint":
                 from rosbags.typesys import Stores, get_typestore
 
