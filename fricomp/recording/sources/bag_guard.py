@@ -11,8 +11,6 @@ from pathlib import Path
 from fricomp.errors import RecordingError
 from fricomp.untrusted import find_size_limit
 
-__all__ = ["require_plain_files", "require_small_arrays"]
-
 _LENGTH = re.compile(r"\[\s*(\d+)\s*\]|<[^<>]*,\s*(\d+)\s*>")
 """A fixed length in a definition of ROS, or in one of IDL."""
 _LONGEST_ARRAY = 10_000

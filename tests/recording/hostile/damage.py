@@ -6,8 +6,6 @@ import re
 
 import numpy as np
 
-__all__ = ["damage", "exchange", "flip"]
-
 _VALUE = re.compile(rb'"[^"\n]*"(?!\s*:)|(?<![\w"])-?\d+\.?\d*(?:[eE][-+]?\d+)?|\btrue\b|\bfalse\b|\bnull\b')
 _VALUES = (
     *(b"0", b"-1", b"-0.0", b"1e308", b"-1e308", b"1e-320", b"nan", b"inf", b"99999999999999999999", b"true", b"null"),

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["load_types", "write_bag", "write_strange_bag"]
-
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _OTHERS = ("geometry_msgs/msg/WrenchStamped", "std_msgs/msg/Float64MultiArray", "sensor_msgs/msg/Imu")
 _DEFINITIONS = (

@@ -10,8 +10,6 @@ import numpy as np
 
 from .ros import write_strange_bag
 
-__all__ = ["STRANGE"]
-
 _NAMES = (
     *("time", "t_ms", "timestamp", "dt", "sec", "nanosec", "position", "q", "q_1", "q_deg", "elbow.position", "q:1"),
     *("torque", "tau", "tau_1", "current", "velocity", "joint", "name", "value", "unit", "metric", "temperature"),
@@ -76,7 +74,7 @@ _KINDS: tuple[Callable[[np.random.Generator, int], list[Any]], ...] = (
 )
 
 
-def make_table(rng: np.random.Generator) -> dict[str, list[Any]]:
+def _make_table(rng: np.random.Generator) -> dict[str, list[Any]]:
     """Columns of values by name; those called as a time, a position and a torque are more often what they say."""
     n = int(_pick(rng, (0, 1, 2, 3, 12, 60, 60, 60)))
     names = [_pick(rng, _NAMES) for _ in range(int(rng.integers(0, 5)))]
@@ -103,7 +101,7 @@ def _make_arrow(rng: np.random.Generator) -> Any:
         *(pa.map_(pa.string(), pa.float64()), pa.dictionary(pa.int8(), pa.string()), pa.large_list(pa.string())),
     )
     arrays, names = [], []
-    for name, values in make_table(rng).items():
+    for name, values in _make_table(rng).items():
         wanted = _pick(rng, kinds) if rng.random() < 0.4 else None
         arrays.append(_to_arrow(pa, values, wanted))
         names.append(name)
@@ -180,7 +178,7 @@ def _write_mat(path: Path, rng: np.random.Generator) -> None:
     from scipy.sparse import csc_matrix
 
     content: dict[str, Any] = {}
-    for number, (name, values) in enumerate(make_table(rng).items()):
+    for number, (name, values) in enumerate(_make_table(rng).items()):
         array = _make_array(rng, values)
         key = name if name.isidentifier() and name.isascii() and len(name) < 31 else f"v{number}"
         cells = np.empty(len(values), dtype=object)
@@ -203,7 +201,7 @@ def _write_mat(path: Path, rng: np.random.Generator) -> None:
 
 def _write_npz(path: Path, rng: np.random.Generator) -> None:
     arrays: dict[str, Any] = {}
-    for name, values in make_table(rng).items():
+    for name, values in _make_table(rng).items():
         array = _make_array(rng, values)
         fields = np.zeros(len(values), dtype=[("position", "f8", (2,)), ("q", [("a", "i2"), ("b", "U3")])])
         dates = np.arange(len(values)).astype(_pick(rng, ("M8[ns]", "m8[ms]", "M8[Y]")))
@@ -214,16 +212,16 @@ def _write_npz(path: Path, rng: np.random.Generator) -> None:
 
 
 def _write_npy(path: Path, rng: np.random.Generator) -> None:
-    columns = [_make_array(rng, values) for values in make_table(rng).values()]
+    columns = [_make_array(rng, values) for values in _make_table(rng).values()]
     np.save(path, _pick(rng, columns) if columns else np.empty(0), allow_pickle=True)
 
 
 # -- text --------------------------------------------------------------------------------------------------------
 
 
-def make_document(rng: np.random.Generator) -> Any:
+def _make_document(rng: np.random.Generator) -> Any:
     """A table in one of the forms that documents have."""
-    table = make_table(rng)
+    table = _make_table(rng)
     n = max(map(len, table.values()), default=0)
     rows = [{name: values[k] for name, values in table.items() if k < len(values)} for k in range(n)]
     series = [
@@ -239,7 +237,7 @@ def make_document(rng: np.random.Generator) -> Any:
 def _write_json(path: Path, rng: np.random.Generator) -> None:
     import json
 
-    document = make_document(rng)
+    document = _make_document(rng)
     if path.suffix == ".jsonl" and isinstance(document, list):
         path.write_text("\n".join(map(json.dumps, document)))
     else:
@@ -247,7 +245,7 @@ def _write_json(path: Path, rng: np.random.Generator) -> None:
 
 
 def _write_csv(path: Path, rng: np.random.Generator) -> None:
-    table, mark = make_table(rng), _pick(rng, (",", ",", ";", "\t", " ", "|"))
+    table, mark = _make_table(rng), _pick(rng, (",", ",", ";", "\t", " ", "|"))
     n = max(map(len, table.values()), default=0)
     lines = [mark.join(table)] if rng.random() < 0.9 else []
     lines += [_pick(rng, ("", "# joint: x", "[s]" + mark + "[deg]" + mark, '"'))] if rng.random() < 0.3 else []
@@ -270,7 +268,7 @@ def _write_mcap(path: Path, rng: np.random.Generator) -> None:
         for topic in ("/joint", "/joint", "/imu")[: int(rng.integers(1, 4))]:
             schema = writer.register_schema("joint", "jsonschema", b"{}") if rng.random() < 0.8 else 0
             channel = writer.register_channel(topic, _pick(rng, ("json", "json", "json", "cbor", "")), schema)
-            document = make_document(rng)
+            document = _make_document(rng)
             for number, row in enumerate(document if isinstance(document, list) else [document]):
                 stamp = int(_pick(rng, (number * 10**7, number * 10**7, 0, 2**63 - 1)))
                 message = _with_header(rng, row, number)

@@ -27,9 +27,7 @@ from .damage import exchange, flip
 from .ros import write_bag
 from .strange import STRANGE
 
-__all__ = ["FORMATS", "Format", "write_seed_file"]
-
-MAPPING = Path(fricomp.recording.__file__).parent / "mappings" / "emps.toml"
+_MAPPING = Path(fricomp.recording.__file__).parent / "mappings" / "emps.toml"
 
 
 class Format(NamedTuple):
@@ -136,7 +134,7 @@ def _write_config(path: Path) -> None:
 
 
 def _write_mapping(path: Path) -> None:
-    path.write_bytes(MAPPING.read_bytes())
+    path.write_bytes(_MAPPING.read_bytes())
 
 
 def _read_mapping(path: Path) -> object:
