@@ -57,6 +57,7 @@ class ArmRecording:
         recordings: What each joint was read from, in the same order.
         still: Joints that were recorded and stood still.
         held: Joints whose rows mostly repeat the one before, at which those rows were left out.
+        turned: Joints whose torques were recorded the other way round; here they are turned.
         placed: Whether positions and velocities said when rows were sampled, since stamps did not.
     """
 
@@ -66,6 +67,7 @@ class ArmRecording:
     recordings: tuple[Recording, ...]
     still: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
+    turned: tuple[str, ...] = ()
     placed: bool = False
 
     @property

@@ -9,7 +9,7 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
-from .record import ArmRecord, JointEffect, JointRecord, LinkRecord
+from .record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
@@ -31,6 +31,7 @@ _CAUSES = {
 _LATER = "the recorded torque is later than those of the other joints"
 _EARLIER = "the recorded torque is earlier than those of the other joints, as a command is that acts after its stamp"
 
+_REFRAME = "To do: give these joints one zero, direction and unit in log and simulation, and run this again."
 _REPEAT = "To do: record again, all joints moving at once by their own drives; until then keep the simulation."
 
 
@@ -43,9 +44,12 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     """
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
-    doubts = say_doubts(record.joints)
-    to_do = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
-    lines = [opening, *(one for one in doubts if one != opening), to_do, *say_shared_causes(record.joints)]
+    doubts = list_doubts(record)
+    framed = bool(record.better_frames or record.torque_scales)
+    normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
+    to_do = _REFRAME if framed else normal
+    lines = [opening, *(one for one in doubts if one != opening), to_do, *say_turned(record.turned_torques)]
+    lines += say_shared_causes(record.joints)
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
@@ -53,6 +57,16 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     unknown = [link.name for link in record.links if link.state == "not_determined"]
     lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
     return tuple(lines)
+
+
+def list_doubts(record: ArmRecord) -> tuple[str, ...]:
+    """Why nothing of an answer holds, where something speaks against it.
+
+    Joints seem to have another unit, zero or direction than in the simulation: all else would follow from that.
+    """
+    lines = [_say_scales(record.torque_scales)] if record.torque_scales else []
+    lines += [_say_frames(record.better_frames)] if record.better_frames else []
+    return tuple(lines) or say_doubts(record.joints)
 
 
 def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
@@ -81,6 +95,28 @@ def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def _say_scales(scales: Mapping[str, float]) -> str:
+    factors = ", ".join(f"{name} {factor:.3g} times" for name, factor in scales.items())
+    return (
+        f"Torques seem to be in another unit than N·m at the joint: {factors} what the links ask for, as before "
+        "a gear, in A or in mN·m. Then nothing of this holds."
+    )
+
+
+def _say_frames(frames: Sequence[JointFrame]) -> str:
+    changes = "; ".join(map(_name_frame, frames))
+    return (
+        "The simulation explains the torques less than half as well as it would with other zeros or directions of "
+        f"joints: {changes}. Then links are fitted to what is none of theirs: bring log and simulation into one frame "
+        "(sign and offset of a mapping's channels, or the axis and the origin of the joint in the file)."
+    )
+
+
+def _name_frame(frame: JointFrame) -> str:
+    position = ("q" if frame.direction > 0 else "-q") + (f" {frame.offset:+.4g} rad" if frame.offset else "")
+    return f"{frame.joint}, with position {position}{'' if frame.direction > 0 else ' and torque the other way'}"
+
+
 def _is_loose(joint: JointRecord) -> bool:
     """Whether a joint has no Coulomb friction, and no other term that would have it in its place."""
     terms = {name.partition(".")[0] for name in joint.friction if "." in name} - {"stribeck"}
@@ -100,6 +136,17 @@ def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:
                 f"comes first: {cause}."
             )
     return tuple(lines)
+
+
+def say_turned(joints: Sequence[str]) -> tuple[str, ...]:
+    """Whose torques were turned round, if any, and what follows for whoever uses the files."""
+    if not joints:
+        return ()
+    return (
+        f"The torque of {', '.join(joints)} was recorded with the opposite sign: positive torque accelerates towards "
+        "positive position. It was turned round first; a drive that takes its torques as they were recorded needs the "
+        "compensation with the opposite sign as well.",
+    )
 
 
 def say_what(effect: JointEffect) -> str:

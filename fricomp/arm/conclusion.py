@@ -13,10 +13,11 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import say_doubts, say_shared_causes, say_tilt, say_what, write_summary
+from .brief import list_doubts, say_shared_causes, say_tilt, say_turned, say_what, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
+from .frames import find_better_frames, find_torque_scales
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
@@ -65,6 +66,9 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         held_joints=tuple(name for name in arm.held if name not in found.recording.still),
         still_joints=found.recording.still,
         one_way=found.recording.one_way,
+        turned_torques=found.recording.turned,
+        better_frames=find_better_frames(arm, found.recording),
+        torque_scales=find_torque_scales(arm, found.recording),
     )
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
@@ -227,7 +231,7 @@ def _judge_link(gap: FloatArray, spread: FloatArray, determined: BoolArray, open
 def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
-    doubts = say_doubts(record.joints)
+    doubts = list_doubts(record)
     opening = (
         "The simulation leaves out physics in " + ", ".join(f"{joint} ({effect.name})" for joint, effect in named) + "."
         if named
@@ -240,6 +244,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     return (
         opening,
         *(one for one in doubts if one != opening),
+        *say_turned(record.turned_torques),
         *say_shared_causes(record.joints),
         *(_say_joint(joint) for joint in record.joints),
         *(_say_link(link) for link in record.links if link.state == "off"),

@@ -17,6 +17,7 @@ from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
 from .drive_gain import take_torques
+from .frames import find_turned_torques, turn_torque
 from .identification import Progress, identify_arm
 from .prior import ArmPrior
 from .record import ArmRecord
@@ -121,12 +122,22 @@ def match_recordings(
     matched = [_name_as_simulated(*one) for one in zip(torques, arm.joints, arm.rotary, strict=True)]
     still = _find_still(matched)
     if not still:
-        return arm, join_joints(matched)
+        return arm, _join_rightly(arm, matched)
     moving = [one for one in matched if one.metadata.joint not in still]
     if not moving:
         raise RecordingError(f"none of {', '.join(still)} moves further than it sways: move the arm")
     held = read_arm(simulation, [one.metadata.joint for one in moving], still=still)
-    return held, replace(join_joints(moving), still=tuple(still))
+    return held, replace(_join_rightly(held, moving), still=tuple(still))
+
+
+def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> ArmRecording:
+    """All joints on one clock, with torques that accelerate towards positive position."""
+    joined = join_joints(recordings)
+    turned = find_turned_torques(arm, joined)
+    if not turned:
+        return joined
+    rightly = [turn_torque(one) if one.metadata.joint in turned else one for one in recordings]
+    return replace(join_joints(rightly), turned=turned)
 
 
 def _read_recorded(

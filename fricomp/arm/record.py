@@ -16,6 +16,7 @@ __all__ = [
     "ArmRecord",
     "FileErrors",
     "JointEffect",
+    "JointFrame",
     "JointRecord",
     "LinkRecord",
     "PositionErrors",
@@ -141,6 +142,20 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
     determined: tuple[str, ...] = ()
 
 
+class JointFrame(msgspec.Struct, frozen=True, kw_only=True):
+    """A frame in which the simulation would explain a joint that it hardly explains as it was recorded.
+
+    Attributes:
+        joint: Its name.
+        direction: 1, or -1 where position and torque would count the other way.
+        offset: What would be added to its position after that [rad] or [m].
+    """
+
+    joint: str
+    direction: int
+    offset: float
+
+
 class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     """The content of `arm.json`.
 
@@ -159,6 +174,10 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         summary: The answer in a few sentences: what is wrong, in which joints and links, and what to do.
         held_joints: Joints of the simulation that nothing was recorded of.
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
+        turned_torques: Joints whose torques were recorded with the opposite sign, and were turned round.
+        better_frames: Joints whose zero or direction seems to be another one than in the simulation.
+        torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
+            unit, such as that of its motor.
         one_way: Joints that hardly went back, whose friction is not told from a constant torque.
     """
 
@@ -176,6 +195,9 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     still_joints: tuple[str, ...] = ()
     tilt: dict[str, Quantity] | None = None
     one_way: tuple[str, ...] = ()
+    turned_torques: tuple[str, ...] = ()
+    better_frames: tuple[JointFrame, ...] = ()
+    torque_scales: dict[str, float] = {}
 
 
 def arm_json_schema() -> dict[str, Any]:

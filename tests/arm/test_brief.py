@@ -5,7 +5,7 @@ from __future__ import annotations
 from msgspec.structs import replace
 
 from fricomp.arm.brief import write_summary
-from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
+from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
 
@@ -71,3 +71,14 @@ def test_where_joints_do_not_rub_there_is_another_recording_to_do() -> None:
     told = write_summary(_record(joints), "Nothing is missing.")
     assert told[1].startswith("The torques show no friction in a, b:")
     assert told[2].startswith("To do: record again")
+
+
+def test_a_joint_in_another_unit_or_frame_is_told_before_all_else() -> None:
+    frame = JointFrame(joint="b", direction=-1, offset=1.5)
+    record = replace(_record((_joint("a", None),)), torque_scales={"a": 0.01}, better_frames=(frame,))
+    told = write_summary(record, "Off.")
+    assert "a 0.01 times" in told[1]
+    assert "b, with position -q +1.5 rad and torque the other way" in told[2]
+    for other in (record, replace(record, better_frames=()), replace(record, torque_scales={})):
+        (to_do,) = (one for one in write_summary(other, "Off.") if one.startswith("To do"))
+        assert to_do.startswith("To do: give these joints one zero, direction and unit")
