@@ -99,7 +99,7 @@ def _say_scales(scales: Mapping[str, float]) -> str:
     factors = ", ".join(f"{name} {factor:.3g} times" for name, factor in scales.items())
     return (
         f"Torques seem to be in another unit than N·m at the joint: {factors} what the links ask for, as before "
-        "a gear, in A or in mN·m. Then nothing of this holds."
+        "a gear, in A or in mN·m. Nothing else is sure until that is mended."
     )
 
 

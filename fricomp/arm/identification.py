@@ -195,8 +195,8 @@ def _take_off_delay(
 ) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
     """Rows in which the torques are as early as the positions, and the delay that was taken off.
 
-    Torques are not taken to be ahead of the positions where a gear gives way, which looks like it. Whether a delay is
-    sure is seen where it stands still: on the way there, each joint shows another part of its own.
+    Torques are not taken to be ahead of the positions where a gear gives way, or joints stick, which looks like it.
+    Whether a delay is sure is seen where it stands still: on the way there, each joint shows another part of its own.
 
     Returns:
         The last tells whether they look so, and are taken to be prompt.
@@ -206,7 +206,7 @@ def _take_off_delay(
         fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
         more = measure_delay(equations, fit, prior)
         ahead = total + more.value < 0.0
-        if ahead and not EarlyTorques(rows, equations, fit).is_none_bent():
+        if ahead and not EarlyTorques(rows, equations, fit).are_all(total + fit.delay[0]):
             return *_move_torques(recording, rows, equations, 0.0), more.move(total, -total), True
         still = abs(more.value) < 0.5 * more.deviation
         moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)

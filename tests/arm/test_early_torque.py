@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, examine_arm
 from fricomp.arm.search.early_torque import EarlyTorques
+from fricomp.arm.search.judge import Estimate
 from fricomp.recording import Recording
 
 from .moving_arm import bend_gear, record_arm, write_arm
@@ -60,3 +62,23 @@ def test_an_elastic_gear_is_no_early_torque(tmp_path: Path, side: str) -> None:
     found = examine_arm(record_arm(simulation, duration=_DURATION, bend=bend), simulation)
     assert not any("torque_delay" in names for names in names_of(found.record).values())
     assert not any(_is_early(found, joint) for joint in range(3))
+
+
+def test_all_torques_that_are_early_are_said_to_be_ahead(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    found = examine_arm(_shift(record_arm(simulation, duration=_DURATION), (-0.006, -0.006, -0.006)), simulation)
+    assert found.record.delay.value == pytest.approx(-0.006, abs=5e-4)
+
+
+@pytest.mark.parametrize(("links", "deviation", "early"), [(-6.0, 0.5, True), (-4.0, 4.0, False), (0.0, 0.5, False)])
+def test_friction_that_turns_before_a_joint_moves_makes_no_torque_early(
+    links: float, deviation: float, early: bool
+) -> None:
+    """Joints that stick turn their friction while they rest; only links that ask early as well make a torque early."""
+    torques = EarlyTorques.__new__(EarlyTorques)
+    torques._fit = SimpleNamespace(arm=SimpleNamespace(joints=("a", "b")))  # type: ignore[assignment]
+    spread = 1e-3 * np.array([deviation, 0.8])
+    measured = Estimate(1e-3 * np.array([links, -0.5]) + 5e-3, np.diag(spread**2))
+    torques.measure = lambda _: measured  # type: ignore[assignment]
+    torques._is_one = lambda _: True  # type: ignore[method-assign]
+    assert torques.are_all(-5e-3) == early

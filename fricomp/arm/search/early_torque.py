@@ -56,9 +56,19 @@ class EarlyTorques:
         found = self.measure(joint)
         return bool(np.all(found.values < -_SURE * found.deviations))
 
-    def is_none_bent(self) -> bool:
-        """Whether links and friction of each joint have one time, as far as is known: no gear gives way."""
-        return all(self._is_one(self.measure(joint)) for joint in range(len(self._fit.arm.joints)))
+    def are_all(self, delay: float) -> bool:
+        """Whether all torques were recorded early, in what links ask for as well.
+
+        No gear gives way, so that links and friction of each joint have one time as far as is known; and that of the
+        links is surely before zero, since friction of joints that stick turns before they move.
+
+        Args:
+            delay: By how much later than the positions the fit takes them to be [s].
+        """
+        found = [self.measure(joint) for joint in range(len(self._fit.arm.joints))]
+        weights = np.array([one.deviations[0] ** -2.0 for one in found])
+        links = delay + float(weights @ [one.values[0] for one in found]) / float(np.sum(weights))
+        return all(map(self._is_one, found)) and links < -_SURE / float(np.sqrt(np.sum(weights)))
 
     @staticmethod
     def _is_one(found: Estimate) -> bool:
