@@ -80,5 +80,5 @@ def test_friction_that_turns_before_a_joint_moves_makes_no_torque_early(
     spread = 1e-3 * np.array([deviation, 0.8])
     measured = Estimate(1e-3 * np.array([links, -0.5]) + 5e-3, np.diag(spread**2))
     torques.measure = lambda _: measured  # type: ignore[assignment]
-    torques._is_one = lambda _: True  # type: ignore[method-assign]
+    torques._is_one = lambda _: True  # type: ignore[method-assign, assignment]
     assert torques.are_all(-5e-3) == early
