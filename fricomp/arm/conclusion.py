@@ -155,9 +155,8 @@ def _describe_effect(
     position = found.recording.metadata[joint].position_unit
     if value is not None:
         unit = {"breakaway_distance": position, "order": f"1/{position}"}.get(TERMS[term].label, "1")
-        steps = [one for one in TERMS[term].values if one is not None]
-        ends = value in (steps[0], steps[-1])
-        parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value), at_bound=ends)
+        around, at_end = TERMS[term].bound_variant(variant), TERMS[term].is_at_end(variant)
+        parameters[TERMS[term].label] = Quantity(value, unit, around, at_bound=at_end)
     if TERMS[term].filled == "gap":  # the factor on it is one
         width = float(found.equations.gaps[joint, 0])
         around = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
@@ -178,12 +177,6 @@ def _describe_effect(
         indistinguishable_from=(*(one.split(": ")[1] for one in found.rivals.get(name, ())), *TERMS[term].alike),
         links_instead=list_links_instead(found.equations, others.own, found.prior, joint) if term == SPRING else (),
     )
-
-
-def _neighbours(steps: list[float], value: float) -> tuple[float, float]:
-    """The values that were tried beside one, between which it lies."""
-    at = steps.index(value)
-    return steps[max(at - 1, 0)], steps[min(at + 1, len(steps) - 1)]
 
 
 def _unit_of(name: str, torque: str, position: str) -> str:

@@ -96,6 +96,7 @@ class JointTerm:
             motor pull at all of them.
         whole: Whether its law has no factor: its one parameter is the share of it that is there, and should be one.
         angular: Whether it is of a joint that turns alone: its variants are angles, or waves a turn.
+        counted: Whether its variants are whole numbers, so that nothing lies between two of them or beyond.
     """
 
     name: str
@@ -109,6 +110,18 @@ class JointTerm:
     reaches_others: bool = False
     whole: bool = False
     angular: bool = False
+    counted: bool = False
+
+    def bound_variant(self, variant: int) -> tuple[float, float]:
+        """The values that were tried beside that of a variant, between which it lies; itself where they are counted."""
+        steps = [one for one in self.values if one is not None]
+        if self.counted:
+            return steps[variant], steps[variant]
+        return steps[max(variant - 1, 0)], steps[min(variant + 1, len(steps) - 1)]
+
+    def is_at_end(self, variant: int) -> bool:
+        """Whether a variant is the first or the last that was tried, so that what it stands for may lie beyond."""
+        return not self.counted and variant in (0, len(self.values) - 1)
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -130,7 +143,7 @@ TERMS = {
             filled="stribeck",
         ),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", angular=True),
-        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order", angular=True),
+        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order", angular=True, counted=True),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
         JointTerm(
             "power_law_viscous",

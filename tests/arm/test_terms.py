@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.arm import build_friction_model, examine_arm
 from fricomp.arm.confirmation import ConfirmedData, without_term
-from fricomp.arm.friction import JointForm, column_names, find_columns, turn_bristle
+from fricomp.arm.friction import TERMS, JointForm, column_names, find_columns, turn_bristle
 from fricomp.laws import FloatArray
 
 from .moving_arm import record_arm, write_arm
@@ -103,3 +103,12 @@ def test_a_bristle_turns_as_dahl_has_it() -> None:
         stepped.append(z)
     assert turn_bristle(path, 1e-3) == pytest.approx(np.array(stepped), abs=0.02)
     assert np.all(turn_bristle(np.zeros(4), 1e-3) == 0.0)
+
+
+def test_waves_a_turn_are_counted_and_a_distance_lies_between_those_that_were_tried() -> None:
+    waves, bristle = TERMS["position_coulomb"], TERMS["presliding_hysteresis"]
+    assert waves.bound_variant(0) == (1.0, 1.0)
+    assert not waves.is_at_end(0)
+    low, high = bristle.bound_variant(3)
+    assert low < bristle.values[3] < high  # type: ignore[operator]
+    assert [k for k in range(len(bristle.values)) if bristle.is_at_end(k)] == [0, len(bristle.values) - 1]
