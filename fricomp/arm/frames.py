@@ -24,8 +24,6 @@ from .record import JointFrame
 from .rigid.simulated_arm import SimulatedArm
 from .rows import build_rows
 
-__all__ = ["find_better_frames", "find_torque_scales", "find_turned_torques", "turn_torque"]
-
 _CUTOFF = 2.5
 """[Hz] up to which torques are compared: gravity and friction lie below."""
 
