@@ -17,10 +17,10 @@ from .brief import list_doubts, say_shared_causes, say_tilt, say_turned, say_wha
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
-from .frames import find_better_frames, find_torque_scales
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
+from .search.frames import find_better_frames, find_torque_scales
 from .search.gap import GapSearch
 from .shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead

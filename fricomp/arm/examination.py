@@ -17,11 +17,11 @@ from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
 from .drive_gain import take_torques
-from .frames import find_turned_torques, turn_torque
 from .identification import Progress, identify_arm
 from .prior import ArmPrior
 from .record import ArmRecord
 from .rigid.simulated_arm import SimulatedArm, read_arm
+from .search.frames import find_turned_torques, turn_torque
 
 _LEAST_TRAVEL, _LEAST_SHARE = 5e-3, 0.02
 """[rad] or [m], and part of the longest travel of any joint, below which a joint stands still: it sways in its gear or

@@ -10,7 +10,7 @@ import pytest
 
 from fricomp.arm.brief import say_turned
 from fricomp.arm.examination import match_recordings
-from fricomp.arm.frames import find_better_frames, find_torque_scales
+from fricomp.arm.search.frames import find_better_frames, find_torque_scales
 from fricomp.recording import Recording
 
 from .moving_arm import JOINTS, record_arm, write_arm

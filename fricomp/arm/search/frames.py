@@ -18,11 +18,11 @@ from scipy.optimize import nnls
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .arm_recording import ArmRecording
-from .friction import plain_columns
-from .record import JointFrame
-from .rigid.simulated_arm import SimulatedArm
-from .rows import build_rows
+from ..arm_recording import ArmRecording
+from ..friction import plain_columns
+from ..record import JointFrame
+from ..rigid.simulated_arm import SimulatedArm
+from ..rows import build_rows
 
 _CUTOFF = 2.5
 """[Hz] up to which torques are compared: gravity and friction lie below."""
