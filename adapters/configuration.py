@@ -227,8 +227,10 @@ def read_table(path: str | Path) -> ConfigurationTable:
     """
     try:
         found = parse_toml(Path(path).read_text("utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise AdapterConfigurationError(f"cannot read the configuration {path}: {error}") from error
+    except OSError as error:
+        raise AdapterConfigurationError(f"cannot read the configuration {path}: {error.strerror}") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise AdapterConfigurationError(f"cannot read the configuration {path} as TOML: {error}") from error
     _resolve_paths(found, Path(path).absolute().parent)
     return ConfigurationTable(found, Path(path))
 
@@ -251,18 +253,19 @@ def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configure
     Raises:
         AdapterConfigurationError: A key is unknown or missing, or a value is wrong; the message names the key.
     """
+    where = str(getattr(configuration, "path", "configuration"))
     try:
         made = msgspec.convert(dict(configuration), to)
     except (msgspec.ValidationError, ValueError) as error:
         hint = "" if configuration else "; give the drive's file with --config (docs/adapters.md)"
-        raise AdapterConfigurationError(f"configuration: {error}{hint}") from error
+        raise AdapterConfigurationError(f"{where}: {error}{hint}") from error
     joints: Sequence[JointConfiguration] = getattr(made, "joints", ())
     if not joints:
-        raise AdapterConfigurationError("configuration: no joint; add a [[joints]] table for each")
+        raise AdapterConfigurationError(f"{where}: no joint; add a [[joints]] table for each")
     for what in ("name", "id"):
         seen = [getattr(joint, what) for joint in joints]
         if len(set(seen)) != len(seen):
-            raise AdapterConfigurationError(f"configuration: two joints have the same {what}: {seen}")
+            raise AdapterConfigurationError(f"{where}: two joints have the same {what}: {seen}")
     return made
 
 

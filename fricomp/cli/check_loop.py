@@ -72,6 +72,8 @@ def check_loop(
     from fricomp.model import load_model
     from fricomp.results import claim_single_files
 
+    if velocity_limit is not None and not 0.0 < velocity_limit < float("inf"):
+        raise ParameterError(f"--velocity-limit must be above 0 and finite, got {velocity_limit:g}")
     if bandwidth is not None and (stiffness is not None or damping is not None):
         raise ParameterError("give either --bandwidth, or --stiffness and --damping")
     if bandwidth is not None:

@@ -189,7 +189,7 @@ def apply_to_mjcf(export: SimulatorExport, text: str | None, joint: str) -> str:
     _require_writable(joint)
     kind = "hinge" if _is_rotary(export) else "slide"
     body = f'<body><joint name={_quote(joint)} type="{kind}"/></body>'
-    root = _parse(text or f"<mujoco><worldbody>{body}</worldbody></mujoco>", "mujoco")
+    root = _parse(text if text is not None else f"<mujoco><worldbody>{body}</worldbody></mujoco>", "mujoco")
     element = _find((each for world in root.findall("worldbody") for each in world.iter("joint")), joint)
     _require_kind(joint_type(root, element), (kind,), joint)
     for name in ("damping", "frictionloss", *_STICKING):
@@ -246,7 +246,9 @@ def apply_to_urdf(export: SimulatorExport, text: str | None, joint: str) -> str:
     """
     _require_writable(joint)
     kinds = ("revolute", "continuous") if _is_rotary(export) else ("prismatic",)
-    root = _parse(text or f'<robot><joint name={_quote(joint)} type="{kinds[0]}"/></robot>', "robot")
+    root = _parse(
+        text if text is not None else f'<robot><joint name={_quote(joint)} type="{kinds[0]}"/></robot>', "robot"
+    )
     element = _find(root.findall("joint"), joint)
     _require_kind(element.get("type"), kinds, joint)
     dynamics = element.find("dynamics")

@@ -164,7 +164,7 @@ def _suffix(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix not in _CSV + _PARQUET:
         raise RecordingError(
-            f"{path.name!r} is neither {' nor '.join(_CSV + _PARQUET)}: "
-            "other formats come in with 'fricomp convert SOURCE --mapping FILE --out recording.csv'"
+            f"{path.name!r} says no format that a recording is written in: give a name that ends in "
+            f"{', '.join(_CSV + _PARQUET[:1])} or {_PARQUET[1]}"
         )
     return suffix

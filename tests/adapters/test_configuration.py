@@ -9,7 +9,13 @@ import pytest
 
 from fricomp.adapters import open_adapter
 from fricomp.adapters.bus_budget import BusBudget, can_frame_bits
-from fricomp.adapters.configuration import choose_adapter, read_configuration, read_table
+from fricomp.adapters.configuration import (
+    AdapterConfiguration,
+    choose_adapter,
+    convert,
+    read_configuration,
+    read_table,
+)
 from fricomp.errors import AdapterConfigurationError
 
 TEXT = """
@@ -178,3 +184,15 @@ def test_the_longest_frames_are_those_of_the_literature(n_bytes: int, extended: 
 def test_other_traffic_takes_its_share_of_the_budget() -> None:
     assert BusBudget([1e-3, 1e-3]).highest_rate == pytest.approx(500.0)
     assert BusBudget([1e-3, 1e-3], background_load=0.25).highest_rate == pytest.approx(375.0)
+
+
+def test_a_file_that_is_not_there_is_told_of_in_words(tmp_path: Path) -> None:
+    with pytest.raises(AdapterConfigurationError, match=r"missing\.toml: No such file or directory$"):
+        read_table(tmp_path / "missing.toml")
+
+
+def test_what_is_wrong_in_a_file_is_told_with_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "drive.toml"
+    path.write_text("nonsense = 3\n", encoding="utf-8")
+    with pytest.raises(AdapterConfigurationError, match=r"drive\.toml: Object contains unknown field `nonsense`"):
+        convert(read_table(path), AdapterConfiguration)

@@ -41,6 +41,16 @@ def test_export_refuses_an_unusable_model_unless_told_otherwise(model: Path) -> 
     assert fricomp("export", model, "--to", "c", "--any-status").returncode == 0
 
 
+@pytest.mark.parametrize("format", ["mjcf", "urdf"])
+def test_export_refuses_an_empty_file_to_write_into(model: Path, tmp_path: Path, format: str) -> None:
+    empty, out = tmp_path / "empty.xml", tmp_path / "out.xml"
+    empty.touch()
+    done = fricomp("export", model, "--to", format, "--into", empty, "--out", out)
+    assert done.returncode == 2
+    assert "is not XML" in done.stderr
+    assert not out.exists()
+
+
 def test_export_writes_into_a_robot_and_states_the_loss(model: Path, tmp_path: Path) -> None:
     robot, out = tmp_path / "robot.xml", tmp_path / "out.xml"
     robot.write_text('<mujoco><worldbody><body><joint name="knee"/></body></worldbody></mujoco>')
@@ -118,6 +128,18 @@ def test_check_loop_takes_no_limit_of_zero_for_none(model: Path, option: str) ->
     assert done.returncode == 2
     assert "must be positive" in done.stderr
     assert "Safe." not in done.stdout
+
+
+@pytest.mark.parametrize("limit", [-2, 0, "nan", "inf"])
+def test_check_loop_refuses_a_velocity_limit_that_is_none(model: Path, limit: object) -> None:
+    done = fricomp("check-loop", model, "--inertia", 0.1, "--bandwidth", 10, "--velocity-limit", limit)
+    assert done.returncode == 2
+    assert "--velocity-limit must be above 0 and finite" in done.stderr
+
+
+def test_check_loop_states_the_fall_of_friction_in_its_unit(model: Path) -> None:
+    done = fricomp("check-loop", model, "--inertia", 0.1, "--bandwidth", 5)
+    assert "N·m·s/rad and the loop damps with 6.28 N·m·s/rad only" in done.stdout
 
 
 def test_check_loop_needs_gains(model: Path) -> None:

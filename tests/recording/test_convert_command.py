@@ -85,7 +85,7 @@ def test_flipped_torque_is_status_2_without_force_and_nothing_is_written(source:
     [
         ("absent.npz", "a.csv", "robot.toml", [], "no source at"),
         ("log.npz", "a.csv", "robot.toml", ["wrist"], "valid are hip, knee"),
-        ("log.npz", "a.xlsx", "robot.toml", ["hip"], "is neither .csv"),
+        ("log.npz", "a.xlsx", "robot.toml", ["hip"], "says no format"),
         ("log.npz", "a.csv", "nowhere", [], "no mapping 'nowhere'"),
         ("log.npz", "a.csv", "", ["knee"], "knee: column torque: torque against the motion"),
         ("log.npz", "log.npz/a.csv", "robot.toml", ["hip"], "cannot make the folder log.npz"),

@@ -155,3 +155,10 @@ def test_rows_that_are_no_numbers_or_cut_short_are_bad_rows_too(tmp_path: Path) 
     recording, findings = read_content(path, skip_bad_rows=True)
     assert recording.time.tolist() == [0.0, 0.4]
     assert "3 of 5 rows" in findings[0].message
+
+
+def test_a_document_of_this_package_is_refused_by_what_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "friction.json"
+    path.write_text('{"schema": "fricomp.model/1", "joint": "elbow", "law": [{"term": "viscous"}]}')
+    with pytest.raises(RecordingError, match="is a model that fricomp wrote, and no recording"):
+        read_recording(path)

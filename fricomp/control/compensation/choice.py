@@ -49,7 +49,7 @@ def choose_settings(
     velocity_range, range_notes = _velocity_range(model, curves)
     gain, gain_notes = _gain(model, velocity_range)
     authority, authority_notes = compute_authority(model, curves, velocity_range)
-    source, source_notes = _source(curves, loop)
+    source, source_notes = _source(curves, loop, f"{model.torque_unit}·s/{model.position_unit}")
     source = given.get("source", source)
     top = max(abs(edge) for edge in velocity_range)
     smoothing = curves.smoothing or min(0.01 * top, 0.1 * (curves.stribeck_velocity or math.inf))
@@ -149,14 +149,14 @@ def _velocity_range(model: FrictionModel, curves: FrictionCurves) -> tuple[tuple
     return (-edge, edge), [f"the model states no range of velocity; compensation fades beyond ±{edge:g}"]
 
 
-def _source(curves: FrictionCurves, loop: LoopDynamics | None) -> tuple[Source, list[str]]:
+def _source(curves: FrictionCurves, loop: LoopDynamics | None, unit: str) -> tuple[Source, list[str]]:
     fall, ratio = curves.steepest_fall, curves.static_ratio
     if loop is None:
         risky = ratio > _STICK_SLIP_RATIO and fall > 0.0
         why = f"static friction is {ratio:.1f} times Coulomb friction"
     else:
         risky = fall > loop.damping
-        why = f"friction falls by {fall:.3g} per unit of velocity and the loop damps with {loop.damping:.3g} only"
+        why = f"friction falls by {fall:.3g} {unit} and the loop damps with {loop.damping:.3g} {unit} only"
     if not risky:
         return "reference", []
     note = (

@@ -125,8 +125,8 @@ class Compensator:
         s = self.settings
         source = "measured velocity" if s.source == "measured" else "reference"
         head = (
-            f"Joint {self.model.joint}: direction from the {source},"
-            f" gain {s.gain:.3f}, smoothing {s.smoothing:.3g}, at most {s.authority:.3g} {self.model.torque_unit}."
+            f"Joint {self.model.joint}: direction from the {source}, gain {s.gain:.3f}, smoothing {s.smoothing:.3g} "
+            f"{self.model.position_unit}/s, at most {s.authority:.3g} {self.model.torque_unit}."
         )
         return "\n".join([head, *(f"- {note}" for note in s.notes)])
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.recording import CHANNELS
 from fricomp.recording.unit_word import find_unit_words, unit_for
 from fricomp.recording.validity import Samples
 
@@ -53,6 +54,9 @@ def list_names(names: Iterable[str]) -> str:
 
 def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> _Candidates:
     candidates: _Candidates = {}
+    unknown = sorted(set(channels) - set(CHANNELS))
+    if unknown:
+        raise RecordingError(f"there is no channel {unknown[0]!r} for --channel: valid are {', '.join(CHANNELS)}")
     asked = {name: meaning for name in columns for meaning in [_match_asked(name, channels)] if meaning}
     missing = sorted(set(channels) - {meaning.channel for meaning in asked.values()})
     if missing:

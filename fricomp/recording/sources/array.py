@@ -19,6 +19,8 @@ from fricomp.untrusted import find_size_limit, parse_json
 
 _MAT_HEADER, _MAT_COMPRESSED, _MAT_STEP = 128, 15, 2**20  # of the format: header, kind of an element; a step
 _DAMAGED = (ValueError, AttributeError, EOFError, zlib.error)  # what numpy raises on a broken file
+_OWN = "fricomp."
+"""With what the schema of a document begins that this package wrote: a model, a diagnosis."""
 
 
 def read_mat(path: Path, source: Source) -> Columns:
@@ -120,6 +122,10 @@ def read_json(path: Path, source: Source) -> Contents:
         raise RecordingError(f"{path} is no JSON: {error}") from error
     except (KeyError, TypeError) as error:
         raise RecordingError(f"{path} has no records at {source.records!r}") from error
+    said = content.get("schema") if isinstance(content, dict) else None
+    if isinstance(said, str) and said.startswith(_OWN):
+        kind = said.removeprefix(_OWN).partition("/")[0].replace("_", " ")
+        raise RecordingError(f"{path} is a {kind} that fricomp wrote, and no recording: give the log of a joint")
     table = tabulate(content)
     if table is None:
         raise RecordingError(f"{path} holds neither rows nor columns at {source.records or 'its top level'!r}")

@@ -203,6 +203,12 @@ def test_counts_of_an_encoder_are_no_radians(tmp_path: Path) -> None:
         identify_source(path, IdentifySettings())
 
 
+def test_a_channel_that_there_is_not_is_refused_with_those_that_are(tmp_path: Path) -> None:
+    path = write(tmp_path / "log.csv", ["t", "q", "tau"], [TIME, POSITION, TORQUE])
+    with pytest.raises(RecordingError, match=r"no channel 'torqe'.*valid are .*position.*torque"):
+        read_content(path, channels={"torqe": "tau"})
+
+
 def test_the_column_that_was_asked_for_is_the_torque(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", ["t", "q", "tau_a", "tau_b"], [TIME, POSITION, TORQUE, 2.0 * TORQUE])
     assert read_content(path, channels={"torque": "tau_b"}).recording.torque == pytest.approx(2.0 * TORQUE, abs=1e-6)
