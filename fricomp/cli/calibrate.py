@@ -92,7 +92,7 @@ def calibrate(
         float,
         sweep_option(
             show_default=False,
-            help="About the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
+            help="Inertia about the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
         ),
     ] = 0.0,
     bandwidth: Annotated[float, sweep_option(help="Bandwidth of the host's loop \\[rad/s].")] = 60.0,
@@ -135,8 +135,12 @@ def calibrate(
     torque_constant: Annotated[
         bool, instead_option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,
-    weight: Annotated[float, instead_option(show_default=False, help="Hung for --torque-constant \\[kg].")] = 0.0,
-    lever: Annotated[float, instead_option(show_default=False, help="From the axis to where it hangs \\[m].")] = 0.0,
+    weight: Annotated[
+        float, instead_option(show_default=False, help="Mass that is hung for --torque-constant \\[kg].")
+    ] = 0.0,
+    lever: Annotated[
+        float, instead_option(show_default=False, help="Distance from the axis to where it hangs \\[m].")
+    ] = 0.0,
     out: Annotated[Path, run_option(help="Folder of the run.")] = Path("runs/calibration"),
     settings: Annotated[
         Path | None,

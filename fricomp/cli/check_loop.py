@@ -35,7 +35,7 @@ def check_loop(
     bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of a critically damped PD loop \\[Hz].")] = None,
     stiffness: Annotated[float | None, typer.Option(help="Proportional gain \\[N·m/rad] or \\[N/m].")] = None,
     damping: Annotated[float | None, typer.Option(help="Derivative gain \\[N·m·s/rad] or \\[N·s/m].")] = None,
-    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = DELAY,
+    delay: Annotated[float, typer.Option(help="Delay from motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
         float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,

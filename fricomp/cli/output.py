@@ -7,6 +7,7 @@ program (`--json`). A command with an answer of its own prints that; of any othe
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -50,6 +51,7 @@ def with_output_options(command: Any) -> Any:
     """A command, or each of a group, with `--json` and `--quiet`; given once, however often it is asked for."""
     for each in getattr(command, "commands", {}).values():
         with_output_options(each)
+    command.help, command.epilog = _join_lines(command.help), _join_lines(command.epilog)
     if hasattr(command, "commands") or any(one.name == "quiet" for one in command.params):
         return command
     # Before --help, which stands last where it is listed.
@@ -57,6 +59,13 @@ def with_output_options(command: Any) -> Any:
     command.callback = _answering(command.callback)
     command.format_help = _whole(command.format_help)
     return command
+
+
+def _join_lines(text: str | None) -> str | None:
+    """A text whose lines end where the terminal does, and not where they do in the source as well."""
+    if text is None:
+        return None
+    return "\n\n".join(" ".join(one.splitlines()) for one in inspect.cleandoc(text).split("\n\n"))
 
 
 def _whole(format_help: Callable[..., None]) -> Callable[..., None]:

@@ -61,7 +61,7 @@ def run(
     frequency: Annotated[float, motion_option(help="Frequency of the sine \\[Hz].")] = 0.1,
     cycles: Annotated[float, motion_option(help="Number of cycles of the sine.")] = 2.0,
     rate: Annotated[float, loop_option(help="Rate of the control loop \\[Hz].")] = 1000.0,
-    delay: Annotated[float, loop_option(help="From motion to the torque that answers it \\[s].")] = DELAY,
+    delay: Annotated[float, loop_option(help="Delay from motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
         float, loop_option(help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,

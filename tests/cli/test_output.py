@@ -156,3 +156,19 @@ def test_a_conversion_answers_in_json(tmp_path: Path) -> None:
     (answer,) = json.loads(done.stdout)
     assert answer["samples"] == 400
     assert Path(answer["file"]).exists()
+
+
+def test_a_paragraph_of_help_is_one_line_until_the_terminal_wraps_it() -> None:
+    app = typer.Typer(add_completion=False)
+
+    @app.command(epilog="One example\nover two lines.\n\nAnother.")
+    def work() -> None:
+        """Does it.
+
+        What is written
+        in two lines.
+        """
+
+    command = with_output_options(typer.main.get_command(app))
+    assert command.help == "Does it.\n\nWhat is written in two lines."
+    assert command.epilog == "One example over two lines.\n\nAnother."
