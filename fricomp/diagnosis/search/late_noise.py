@@ -31,7 +31,8 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
     plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
     problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
     fit = fit_base(problem, baseline.fit.theta, baseline.box)
-    base = build_structure(problem, fit, baseline.box)
-    quieter = replace(baseline, problem=problem, structure=base, fit=fit, nulls=nulls, recolouring=None)
+    quieter = replace(baseline, problem=problem, fit=fit, nulls=nulls, recolouring=None)
     (again,) = fit_from(quieter, [(structure, theta[:N_BASE])], best.box)
-    return quieter if quieter.measure_loudness(again.fit) > SEARCH.something_left else None
+    if quieter.measure_loudness(again.fit) <= SEARCH.something_left:
+        return None
+    return replace(quieter, structure=build_structure(problem, fit, baseline.box))
