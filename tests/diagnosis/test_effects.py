@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.effects import EFFECTS, Context, EffectParameter
+from fricomp.diagnosis.effects.overtones import start_overtone
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
 from fricomp.diagnosis.inputs.delay import apply_lags
@@ -16,6 +17,7 @@ from fricomp.diagnosis.joint.base import BASE_NAMES, pack
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.diagnosis.joint.solver import Fit
 from fricomp.diagnosis.search.explanation import Explanation, find_refusal
+from fricomp.laws import OperatingPoint
 
 CATALOGUE = sorted(EFFECTS)
 
@@ -247,6 +249,25 @@ def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> 
     angle = 20.0 * context.position
     np.testing.assert_allclose(effect.compute_contribution(context, values).additive, np.sin(angle))
     np.testing.assert_allclose(effect.compute_contribution(second, values).additive, 2.0 * np.cos(angle))
+
+
+@pytest.mark.parametrize("name", ["cogging", "position_coulomb"])
+def test_a_ripple_with_an_overtone_is_two_terms_of_a_law(name: str, context: Context) -> None:
+    values = {"sine": 1.0, "cosine": -0.5, "order": 4.0, "sine_overtone_2": 0.2, "cosine_overtone_2": 0.1}
+    q, effect = context.position, EFFECTS[name]
+    wave = np.sin(4.0 * q) - 0.5 * np.cos(4.0 * q) + 0.2 * np.sin(8.0 * q) + 0.1 * np.cos(8.0 * q)
+    added = effect.compute_contribution(context, values)
+    np.testing.assert_allclose(added.additive if name == "cogging" else added.level, wave, rtol=0, atol=1e-12)
+    terms = effect.build_terms(values, context.plant, [context])
+    torque = np.sum([term.torque(OperatingPoint(np.ones_like(q), q)) for term in terms], axis=0)
+    np.testing.assert_allclose(torque, wave, rtol=0, atol=1e-12)
+
+
+def test_an_overtone_is_fitted_in_each_recording_where_its_numbers_are_given(context: Context) -> None:
+    contexts, plain = (context, replace(context, index=1, source=1)), Candidate("cogging", (("order", 18.0),))
+    fuller = replace(plain, values=(*plain.values, *start_overtone(3).items()))
+    own, names = ([parameter.name for parameter in one.list_parameters(contexts)] for one in (plain, fuller))
+    assert names == [*own, "sine_overtone_3", "cosine_overtone_3", "sine_2_overtone_3", "cosine_2_overtone_3"]
 
 
 @pytest.mark.parametrize(

@@ -176,6 +176,11 @@ class Effect(ABC):
         """
         return None
 
+    def build_terms(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> tuple[Term, ...]:
+        """Build the effect as terms, of which a ripple with overtones has several."""
+        term = self.build_term(values, plant, contexts)
+        return () if term is None else (term,)
+
     def is_in_law(self, law: FrictionLaw) -> bool:
         """Whether the law of an extended model says all of the effect: as a term of its name, if nothing else."""
         return any(term.name == self.name for term in law.terms)

@@ -17,6 +17,7 @@ from ..joint.settings import JOINT
 from ..joint.solver import Box, Descent, Fit, Race, descend, run_together
 from . import EFFECTS, Context, Effect, EffectParameter
 from .context import add_load
+from .overtones import list_overtone_parameters, list_overtones
 
 __all__ = ["Candidate", "Structure", "fit_all"]
 
@@ -40,6 +41,12 @@ class Candidate:
         """The catalogue's entry."""
         return EFFECTS[self.name]
 
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        """The effect's numbers, with those of the overtones that its starting values name."""
+        own = self.effect.list_parameters(contexts)
+        overtones = list_overtones(dict(self.values))
+        return (*own, *(one for times in overtones for one in list_overtone_parameters(own, times)))
+
 
 @dataclass(frozen=True)
 class Structure:
@@ -61,7 +68,7 @@ class Structure:
     @cached_property
     def parameters(self) -> list[tuple[str, EffectParameter]]:
         """Effect name and parameter, in the order of the vector; computed once, since every point of a fit asks."""
-        return [(c.name, p) for c in self.candidates for p in c.effect.list_parameters(self.contexts)]
+        return [(c.name, p) for c in self.candidates for p in c.list_parameters(self.contexts)]
 
     @property
     def freedom(self) -> int:
@@ -71,7 +78,7 @@ class Structure:
     def build_start(self) -> FloatArray:
         """Starting values of the effect parameters."""
         return np.array(
-            [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.effect.list_parameters(self.contexts)]
+            [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.list_parameters(self.contexts)]
         )
 
     def build_known_box(self) -> Box:

@@ -73,7 +73,7 @@ def _is_open(refitted: RefittedJoint, name: str, size: float) -> bool:
 
 def _is_open_of_effect(parameter: EffectParameter, numbers: Mapping[str, Quantity]) -> bool:
     """Whether a number of an effect may be nearly all that is looked for, or twice and next to nothing of itself."""
-    if parameter.name in _PHASE or parameter.scale <= 0.0:
+    if parameter.name.startswith(_PHASE) or parameter.scale <= 0.0:
         return False
     quantity = numbers[parameter.name]
     (low, high), value = quantity.ci95, quantity.value

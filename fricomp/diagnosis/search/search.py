@@ -16,6 +16,7 @@ from ..joint.solver import Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
+from .overtones import fit_overtones
 from .preparation import Baseline
 from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
@@ -55,6 +56,7 @@ def search(baseline: Baseline) -> SearchResult:
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
     free = _fit_singles(baseline, first)
     tried = free + _fit_from_simulation(baseline, free)
+    tried += fit_overtones(baseline, rank_acceptable(tried, threshold)[: SEARCH.careful], threshold)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
         tried += _grow(baseline, tried, accepted[:1], threshold, first)
@@ -66,6 +68,8 @@ def search(baseline: Baseline) -> SearchResult:
         tried += _swap_pairs(baseline, tried, threshold)
     best = choose(baseline, tried, threshold)
     if best is not None:
+        tried += fit_overtones(baseline, [best], threshold)
+        best = choose(baseline, tried, threshold) or best
         close = select_finalists(best, rank_acceptable(tried, threshold))
         close += _fit_twins(baseline, best)
         finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)

@@ -178,6 +178,8 @@ class SearchSettings:
     """What it leaves then, over the noise, from which something else is searched for."""
     coarse_tolerance: float = 1e-5
     """Tolerance from which squares of the columns tell a basis as well as the columns, three times as fast."""
+    overtone_takes: float = 0.25
+    """Part of what an explanation leaves above the noise from which an overtone of its ripple belongs to it."""
     singles: int = 8
     """Number of effects that are refitted on their own."""
     faint_effect: float = 0.03

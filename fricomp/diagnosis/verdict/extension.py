@@ -52,9 +52,9 @@ def write_extended_model(
         changes |= {name: value for name, value in contribution.plant.items() if name in _OF_THE_CORE}
         if candidate.name == SPRING and given is not None:
             term, plant = combine_springs(values[candidate.name], plant, given)
+            terms += [] if term is None else [term]
         else:
-            term = candidate.effect.build_term(values[candidate.name], plant, chosen.structure.contexts)
-        terms += [term] if term is not None else []
+            terms += candidate.effect.build_terms(values[candidate.name], plant, chosen.structure.contexts)
     if not terms and not changes:
         return None
     shares = [one["inertia_share"] for one in values.values() if "inertia_share" in one]

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from fricomp.laws import Cogging as CoggingTerm
-from fricomp.laws import Term
+from fricomp.laws import COGGING_TERMS, Term
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..overtones import build_ripple_terms, compute_wave
 from ..settings import EFFECT
 
 
@@ -43,13 +41,11 @@ class Cogging(Effect):
         return [{"order": n} for n in contexts[0].hints.get("order", ()) if n >= lowest]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        angle = values["order"] * context.position
-        number = f"_{context.source + 1}" if context.source else ""
-        sine, cosine = (values[f"{name}{number}"] for name in ("sine", "cosine"))
-        return Contribution(additive=sine * np.sin(angle) + cosine * np.cos(angle))
+        recording = f"_{context.source + 1}" if context.source else ""
+        return Contribution(additive=compute_wave(values, context.position, recording))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return refuse_long_wave(values["order"], contexts)
 
-    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        return CoggingTerm(values["sine"], values["cosine"], values["order"])
+    def build_terms(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> tuple[Term, ...]:
+        return build_ripple_terms(COGGING_TERMS, values)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from fricomp.laws import PositionCoulomb as PositionCoulombTerm
-from fricomp.laws import Term
+from fricomp.laws import POSITION_COULOMB_TERMS, Term
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..overtones import build_ripple_terms, compute_wave
 from ..settings import EFFECT
 
 
@@ -41,8 +39,7 @@ class PositionCoulomb(Effect):
         return [{"order": n} for n in contexts[0].hints.get("level_order", ())]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        angle = values["order"] * context.position
-        return Contribution(level=values["sine"] * np.sin(angle) + values["cosine"] * np.cos(angle))
+        return Contribution(level=compute_wave(values, context.position))
 
-    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        return PositionCoulombTerm(values["sine"], values["cosine"], values["order"])
+    def build_terms(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> tuple[Term, ...]:
+        return build_ripple_terms(POSITION_COULOMB_TERMS, values)

@@ -1,0 +1,43 @@
+"""Ripples that are no sines: overtones of what was found, where they take much of what it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..effects.overtones import MULTIPLES, list_overtones, start_overtone
+from ..effects.structure import N_BASE, Candidate, Structure
+from .explanation import Explanation
+from .preparation import Baseline
+from .refit import fit_from, rebuild_contexts
+from .screening import screen
+from .settings import SEARCH
+
+
+def fit_overtones(baseline: Baseline, explanations: Sequence[Explanation], threshold: float) -> list[Explanation]:
+    """Fit explanations whose ripples leave overtones again, with these.
+
+    No part of a joint waves as a sine alone. What is left of its wave would be taken for another effect, or hide one.
+    """
+    found: list[Explanation] = []
+    for one in explanations:
+        settled = tuple(_add_overtones(baseline, one, candidate, threshold) for candidate in one.settled)
+        if settled != one.settled:
+            structure = Structure(rebuild_contexts(baseline, one), settled)
+            found += fit_from(baseline, [(structure, one.fit.theta[:N_BASE])], one.box)
+    return found
+
+
+def _add_overtones(baseline: Baseline, one: Explanation, candidate: Candidate, threshold: float) -> Candidate:
+    """Add those overtones to a ripple of an explanation that take much of what it leaves; the same where none does."""
+    if not candidate.effect.wave:
+        return candidate
+    values, fit = dict(candidate.values), one.fit
+    further = [times for times in MULTIPLES if times not in list_overtones(values)]
+    waves = {Candidate(candidate.name, (("order", times * values["order"]),)): times for times in further}
+    columns = screen(baseline.problem, one.structure, fit.theta, fit.residual, fit.jacobian, list(waves)).columns
+    excess = float(fit.residual @ fit.residual) - fit.residual.size
+    loud = [column for column in columns if column.energy > max(threshold, SEARCH.overtone_takes * excess)]
+    for column in loud:
+        values |= start_overtone(waves[column.candidate])
+    return replace(candidate, values=tuple(values.items()))
