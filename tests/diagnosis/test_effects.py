@@ -259,7 +259,7 @@ def test_a_ripple_with_an_overtone_is_two_terms_of_a_law(name: str, context: Con
     added = effect.compute_contribution(context, values)
     np.testing.assert_allclose(added.additive if name == "cogging" else added.level, wave, rtol=0, atol=1e-12)
     terms = effect.build_terms(values, context.plant, [context])
-    torque = np.sum([term.torque(OperatingPoint(np.ones_like(q), q)) for term in terms], axis=0)
+    torque = sum((np.asarray(term.torque(OperatingPoint(np.ones_like(q), q))) for term in terms), np.zeros_like(q))
     np.testing.assert_allclose(torque, wave, rtol=0, atol=1e-12)
 
 
