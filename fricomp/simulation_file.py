@@ -38,6 +38,17 @@ def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
     return compile_specification(spec, path)
 
 
+def list_joints(path: str | Path) -> list[str]:
+    """Names of all joints of a simulation, in the order of the file.
+
+    Raises:
+        SimulationFileError: As for `compile_simulation`.
+        MissingExtraError: MuJoCo is not installed.
+    """
+    model = compile_simulation(path)
+    return [model.joint(i).name for i in range(model.njnt)]
+
+
 def compile_specification(spec: Any, path: str | Path) -> Any:
     """Compile what `read_specification` gives, with bodies that can exist.
 

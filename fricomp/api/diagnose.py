@@ -15,6 +15,7 @@ from fricomp.extras import require
 from fricomp.model import FrictionModel, load_model
 from fricomp.recording import Recording, read_recording
 from fricomp.results import DIAGNOSIS, claim_folder
+from fricomp.simulation_file import list_joints
 
 __all__ = ["SHORTEST_RECORDING", "diagnose", "read_long_recording"]
 
@@ -90,22 +91,33 @@ def diagnose(
         "payload": payload,
         "names": names or [_name_of(one, number) for number, one in enumerate(given, 1)],
     }  # fmt: skip
+
+    def read() -> list[Recording]:
+        return [read_long_recording(one, joint, simulation) for one in given]
+
     if out is None:
-        return _diagnose([_load(one) for one in given], simulation, friction, simulated, settings, simulation_error)
+        return _diagnose(read(), simulation, friction, simulated, settings, simulation_error)
     from fricomp.diagnosis.report import write_diagnosis
 
     paths = [simulation, friction, simulated, controller, *given]
     inputs = [Path(one) for one in paths if isinstance(one, str | os.PathLike)]
     with claim_folder(Path(out), DIAGNOSIS, overwrite=overwrite, inputs=inputs) as claim:
-        found = _diagnose([_load(one) for one in given], simulation, friction, simulated, settings, simulation_error)
+        found = _diagnose(read(), simulation, friction, simulated, settings, simulation_error)
         claim.clear()
         into = Path(simulation) if isinstance(simulation, str | os.PathLike) else None
         write_diagnosis(found, out, simulation=into, joint=joint)
     return found
 
 
-def read_long_recording(path: Recording | str | os.PathLike[str]) -> Recording:
+def read_long_recording(
+    path: Source, joint: str | None = None, simulation: RigidJoint | str | os.PathLike[str] | None = None
+) -> Recording:
     """A recording that is long enough to be diagnosed, from its file or as it is.
+
+    Args:
+        path: Of its file, or the recording.
+        joint: Which one of a log of several.
+        simulation: That has it, perhaps under another number.
 
     Raises:
         DiagnosisError: It is not.
@@ -113,7 +125,12 @@ def read_long_recording(path: Recording | str | os.PathLike[str]) -> Recording:
     """
     if isinstance(path, Recording):
         return _require_long(path, f"the recording of joint {path.metadata.joint!r}")
-    return _require_long(read_recording(Path(path)), f"the recording {os.fspath(path)}")
+    if joint is None:
+        return _require_long(read_recording(Path(path)), f"the recording {os.fspath(path)}")
+    simulated = list_joints(Path(simulation)) if isinstance(simulation, str | os.PathLike) else ()
+    return _require_long(
+        read_recording(Path(path), joint=joint, simulated=simulated), f"the recording {os.fspath(path)}"
+    )
 
 
 def _diagnose(
@@ -129,7 +146,7 @@ def _diagnose(
         if simulation is not None or friction is not None:
             raise DiagnosisError("simulated is the simulation: leave out simulation and friction")
         settings.pop("payload")
-        return diagnose_against(series, _load(simulated), **settings)
+        return diagnose_against(series, read_long_recording(simulated), **settings)
     payload = settings.pop("payload")
     several = len({one.metadata.joint for one in series} - {"", "joint"}) > 1
     if several and settings["joint"] is None and isinstance(simulation, str | os.PathLike):
@@ -153,12 +170,6 @@ def _compare_payloads(
             "payload=True what it carries if the simulation is right; two sessions compare their payloads"
         )
     return diagnose_payload(series, simulation, names)
-
-
-def _load(source: Source) -> Recording:
-    if isinstance(source, Recording):
-        return _require_long(source, f"the recording of joint {source.metadata.joint!r}")
-    return read_long_recording(source)
 
 
 def _require_long(recording: Recording, name: str) -> Recording:

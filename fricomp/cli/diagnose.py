@@ -175,10 +175,11 @@ def diagnose(
         if log is not None and simulation is not None:
             run = DiagnosisRun(find_payload(log, simulation, out, arm, overwrite=overwrite), (), ())
         else:
-            arm.refuse("is of an arm: leave it out, or give the log of all joints and their --simulation")
+            said = replace(arm, match=None) if joint is not None else arm
+            said.refuse("is of an arm: leave it out, or give the log of all joints and their --simulation")
             paths = find_recordings(recordings)
             chosen = channel or mapping or joint or any(cut.given.values())
-            asked = {path: cut.apply(read_joint(path, arm, joint)) for path in paths} if chosen else {}
+            asked = {path: cut.apply(read_joint(path, arm, joint, simulation)) for path in paths} if chosen else {}
             run = run_diagnosis(paths, out, options, given, overwrite=overwrite, asked=asked)
     if hearing().as_json:
         _print_record(out)
@@ -271,7 +272,8 @@ def run_diagnosis(
     with claimed as claim, progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
         simulated = [given["simulated"]] if given["simulated"] is not None else []
-        read = {path: read_long_recording((asked or {}).get(path, path)) for path in (*paths, *simulated)}
+        names = (options["joint"], options["simulation"])
+        read = {path: read_long_recording((asked or {}).get(path, path), *names) for path in (*paths, *simulated)}
         series = [read[path] for path in paths]
 
         def say(what: str) -> None:

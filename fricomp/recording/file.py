@@ -1,8 +1,9 @@
 """Recordings on disk: the suffix of the path decides between CSV and Parquet."""
 
 import itertools
+import shlex
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.csv_file import FileContent, read_csv, write_csv
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
-from fricomp.recording.named.column import simplify_joint
-from fricomp.recording.named.log import is_native, read_named_log
+from fricomp.recording.metadata import RecordingMetadata
+from fricomp.recording.named.joint_name import select_joint
+from fricomp.recording.named.log import NamedLog, is_native, read_named_log
 from fricomp.recording.named.source import is_bag_folder, read_first_lines
 from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
@@ -39,7 +41,11 @@ def write_recording(recording: Recording, path: str | Path) -> None:
 
 
 def read_recording(
-    path: str | Path, *, channels: Mapping[str, str] | None = None, joint: str | None = None
+    path: str | Path,
+    *,
+    channels: Mapping[str, str] | None = None,
+    joint: str | None = None,
+    simulated: Sequence[str] = (),
 ) -> Recording:
     """Read a recording: a CSV or Parquet file of the project's own, or the log of one joint whose columns have names.
 
@@ -52,14 +58,15 @@ def read_recording(
     Args:
         path: File, or the folder of a bag.
         channels: Column by channel where several could be one, such as {"torque": "tau_measured"}.
-        joint: Which one of a log of several.
+        joint: Which one of a log of several; the recording is called so.
+        simulated: As for `read_content`.
 
     Raises:
         RecordingError: The file is missing, damaged, or its samples cannot be used; the
             message names row, column and what to do.
         MissingExtraError: The file is Parquet and pyarrow is not installed.
     """
-    content = read_content(Path(path), channels=channels, joint=joint)
+    content = read_content(Path(path), channels=channels, joint=joint, simulated=simulated)
     for finding in content.findings:
         warnings.warn(f"{path}: {finding}", RecordingWarning, stacklevel=2)
     return content.recording
@@ -72,6 +79,7 @@ def read_content(
     row_rate: float | None = None,
     channels: Mapping[str, str] | None = None,
     joint: str | None = None,
+    simulated: Sequence[str] = (),
 ) -> FileContent:
     """Read a recording with what was wrong with its file; nothing is warned about.
 
@@ -82,6 +90,7 @@ def read_content(
         row_rate: Rows a second in place of the stamps [Hz]; None takes the stamps.
         channels: Column by channel where several could be one, such as {"torque": "tau_measured"}.
         joint: Which one of a log of several.
+        simulated: Names of all joints of the simulation that has it: where these count from one, so does the log.
 
     Raises:
         RecordingError: As for `read_recording`.
@@ -92,7 +101,8 @@ def read_content(
     if path.is_dir() and not is_bag_folder(path):
         raise RecordingError(f"{path} is a folder: name the recording inside it")
     if channels or not is_own(path):
-        return _read_named(path, channels or {}, joint, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+        asked = (joint, simulated)
+        return _read_named(path, channels or {}, asked, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     if path.suffix.lower() in _PARQUET:
         return read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     try:
@@ -100,10 +110,10 @@ def read_content(
     except RecordingError:
         if skip_bad_rows or row_rate is not None or read_first_lines(path, 0).states_schema:
             raise
-        return _read_leniently(path, joint)
+        return _read_leniently(path, (joint, simulated))
 
 
-def _read_leniently(path: Path, joint: str | None) -> FileContent:
+def _read_leniently(path: Path, asked: tuple[str | None, Sequence[str]]) -> FileContent:
     """A log whose columns happen to be called as channels are, with words or runs between its rows; or why not.
 
     Raises:
@@ -114,7 +124,7 @@ def _read_leniently(path: Path, joint: str | None) -> FileContent:
     if states_facts or len({line.count(",") for line in lines if not is_comment(line)}) > 1:
         return read_csv(path)
     try:
-        return _read_named(path, {}, joint, skip_bad_rows=False, row_rate=None)
+        return _read_named(path, {}, asked, skip_bad_rows=False, row_rate=None)
     except RecordingError:
         return read_csv(path)
 
@@ -125,39 +135,79 @@ def is_own(path: Path) -> bool:
 
 
 def _read_named(
-    path: Path, channels: Mapping[str, str], joint: str | None, *, skip_bad_rows: bool, row_rate: float | None
+    path: Path,
+    channels: Mapping[str, str],
+    asked: tuple[str | None, Sequence[str]],
+    *,
+    skip_bad_rows: bool,
+    row_rate: float | None,
 ) -> FileContent:
-    """The one joint of a log whose columns say by their names what they hold."""
+    """The one joint of a log whose columns say by their names what they hold.
+
+    Args:
+        path: Of the log.
+        channels: As for `read_content`.
+        asked: Name of the joint, None where it was not said, and names of all joints of the simulation.
+        skip_bad_rows: As for `read_content`.
+        row_rate: As for `read_content`.
+    """
     log = read_named_log(path, channels, row_rate=row_rate)
-    found = log.recordings
-    notes = list(log.notes)
-    if len(found) > 1 and joint is None:
-        moving = tuple(one for one in found if np.ptp(one.position) > _RESTS * max(np.ptp(o.position) for o in found))
-        if len(moving) == 1:
-            notes.append(f"{path.name}: of {len(found)} joints {moving[0].metadata.joint} alone moves, and was taken")
-        found = moving if len(moving) == 1 else ()
-    elif len(found) > 1:
-        found = _select_joint(found, str(joint))
-    if not found:
-        names = ", ".join(one.metadata.joint for one in log.recordings)
-        none = f", none of them {joint!r}" if joint is not None else ""
-        raise RecordingError(
-            f"{path} is the log of {len(log.recordings)} joints, {names}{none}: give the --simulation of their arm, or "
-            "take one by --joint NAME"
-        )
+    joint, simulated = asked
+    found, note = _select_moving(path, log) if joint is None else _select_joint(path, log, joint, simulated)
+    notes = [*log.notes, note] if note else log.notes
     if not skip_bad_rows:
         raise_errors(log.findings, str(path))
     advice = "if it is wrong, 'fricomp convert LOG --inspect' writes a mapping to edit"
     notes = [note for note in notes if not any(found.message in note for found in log.findings)]  # told below
     told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in notes)
-    return FileContent(found[0], (*told, *log.findings))
+    return FileContent(found, (*told, *log.findings))
 
 
-def _select_joint(recordings: tuple[Recording, ...], joint: str) -> tuple[Recording, ...]:
-    """The recording of a joint by its name, or the only one whose name differs by the word joint, case or marks."""
-    same = tuple(one for one in recordings if one.metadata.joint == joint)
-    alike = tuple(one for one in recordings if simplify_joint(one.metadata.joint) == simplify_joint(joint))
-    return same or (alike if len(alike) == 1 else ())
+def _select_moving(path: Path, log: NamedLog) -> tuple[Recording, str]:
+    """The only joint of a log, or the only one that moves, and what is said of that.
+
+    Raises:
+        RecordingError: Several move.
+    """
+    most = max(float(np.ptp(one.position)) for one in log.recordings)
+    moving = [one for one in log.recordings if np.ptp(one.position) > _RESTS * most]
+    if len(log.recordings) == 1:
+        return log.recordings[0], ""
+    if len(moving) != 1:
+        raise RecordingError(_list_joints(path, log))
+    name = moving[0].metadata.joint
+    return moving[0], f"{path.name}: of {len(log.recordings)} joints {name} alone moves, and was taken"
+
+
+def _select_joint(path: Path, log: NamedLog, wanted: str, simulated: Sequence[str]) -> tuple[Recording, str]:
+    """The joint that is meant, called as it is wanted, and what is said where the log calls it otherwise.
+
+    Raises:
+        RecordingError: None is, or several could be.
+    """
+    recordings = {one.metadata.joint: one for one in log.recordings}
+    name = select_joint(list(recordings), wanted, simulated)
+    if name is None and len(recordings) == 1:
+        (other,) = recordings
+        own = {
+            channel: column for channel, (column, _) in log.sources[other].items() if channel in ("position", "torque")
+        }
+        said = " ".join(f"--channel {shlex.quote(f'{channel}={column}')}" for channel, column in own.items() if column)
+        raise RecordingError(f"{path} is the log of joint {other!r}: where that is {wanted!r}, say so by {said}")
+    if name is None:
+        raise RecordingError(_list_joints(path, log, wanted))
+    found = recordings[name].with_metadata(joint=wanted)
+    is_plain = name in (wanted, RecordingMetadata().joint)
+    return found, "" if is_plain else f"{path.name}: its joint {name!r} was taken for {wanted!r}"
+
+
+def _list_joints(path: Path, log: NamedLog, wanted: str = "") -> str:
+    names = ", ".join(one.metadata.joint for one in log.recordings)
+    none = f", none of them clearly {wanted!r}" if wanted else ""
+    return (
+        f"{path} is the log of {len(log.recordings)} joints, {names}{none}: give the --simulation of their arm, or "
+        "take one by --joint NAME"
+    )
 
 
 def _suffix(path: Path) -> str:

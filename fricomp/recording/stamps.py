@@ -1,12 +1,15 @@
 """Stamps that are held over several rows, and which rows have a time that goes on."""
 
 from bisect import bisect_left
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["find_rising", "find_row_rate", "spread_stamps", "with_row_rate"]
+from fricomp.recording.finding import Finding
+
+__all__ = ["find_rising", "find_row_rate", "spread_held", "spread_stamps", "with_row_rate"]
 
 Samples = NDArray[np.float64]
 
@@ -14,6 +17,14 @@ _GAP = 5.0
 """Usual distances of two different stamps beyond which rows are missing between them."""
 _FAR = 1000.0
 """Usual steps that part a corrupt stamp from all others."""
+_HELD = 0.2
+"""Part of the rows with the stamp of the one before, from which on a clock is coarser than they are."""
+_AS_FAR = 1.25
+"""Way between rows of two stamps in that between rows of one, or the other way round, up to which they were even."""
+_FEWEST_STAMPS = 50
+"""Different stamps from which on they tell the rate of the rows: of so many, to 0.3 %."""
+_HELD_OFF = 1.5
+"""Steps of such a clock that a row may be off its place among even ones; where rows are missing it is further off."""
 _FEW = 0.01
 """Part of the rows that a stretch of time needs, to be no corruption."""
 
@@ -32,6 +43,37 @@ def spread_stamps(time: Samples) -> Samples:
             slope, start = np.polyfit(row - a, time[a:b], 1)
             spread[a:b] = start + slope * (row - a)
     return spread
+
+
+def spread_held(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """The channels with even stamps where several rows share one though the joint moves on as far within as between.
+
+    Rows that were held with their stamp, or taken at uneven instants, stay as they are.
+
+    Args:
+        channels: By name; `time` [s] and `position` among them. Shape (n_samples,) each.
+    """
+    time, position = channels["time"], channels["position"]
+    same = np.diff(time) == 0.0
+    is_told = np.count_nonzero(same) > _HELD * same.size and np.count_nonzero(~same) >= _FEWEST_STAMPS
+    if not is_told or np.any(np.diff(time) < 0.0) or not np.isfinite(time).all():
+        return dict(channels), ()
+    way = np.abs(np.diff(position))
+    within, between = float(np.nanmean(way[same])), float(np.nanmean(way[~same]))
+    spread = spread_stamps(time)
+    step = float(np.median(np.diff(time)[~same]))
+    off = float(np.max(np.abs(spread - time - np.median(spread - time))))
+    if (
+        not max(within, between) < _AS_FAR * min(within, between)
+        or off > _HELD_OFF * step
+        or np.any(np.diff(spread) <= 0.0)
+    ):
+        return dict(channels), ()
+    message = (
+        f"{np.count_nonzero(same)} of {time.size} rows are stamped as the one before, and the joint moves on between "
+        f"them as evenly as from stamp to stamp: they were spread, at {1.0 / float(np.median(np.diff(spread))):.5g} Hz"
+    )
+    return {**channels, "time": spread}, (Finding("held_stamps", "note", message, "nothing to do", column="time"),)
 
 
 def with_row_rate(columns: dict[str, Samples], rate: float | None) -> dict[str, Samples]:

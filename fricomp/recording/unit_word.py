@@ -11,7 +11,8 @@ UNKNOWN_UNIT = "?"
 """Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
 
 _SPELLED = {
-    "deg": "deg degree degrees grad mdeg=mdeg mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
+    "deg": "deg degree degrees grad mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg"
+    " mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
     "turns": "turn turns rev revs revolution revolutions",
     "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
     "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s"
@@ -27,7 +28,7 @@ _SPELLED = {
     "ft·lbf": "ft·lbf ft·lb lbf·ft lb·ft ftlbf ftlb lbft lbfft",
     "oz·in": "oz·in ozf·in in·oz in·ozf ozin ozfin inoz",
     "N": "n kn=kN lbf=lbf kgf=kgf kip=kip н кн=kN",
-    "A": "a ma=mA amp=A amps=A ampere=A amperes=A arms=A a·rms=A apk=A а ма=mA",
+    "A": "a ma=mA amp=A amps=A ampere=A amperes=A arms=A a·rms=A apk=A ap=A а ма=mA",
     "V": "v mv=mV volt=V volts=V",
     "degC": "c degc ℃ k=K degf=degF",
     UNKNOWN_UNIT: "erpm",
@@ -110,7 +111,7 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
     """
     found = []
     for match in _BRACKETS.finditer(name):
-        unit = _read_bracket(match.group(1))
+        unit = read_bracket(match.group(1))
         if unit and _STEP.search(name[: match.start()]):
             unit = UNKNOWN_UNIT
         if unit and match.start() > begin:
@@ -146,9 +147,11 @@ def unit_for(quantity: str, unit: str) -> str:
     return "" if unit in _SI else unit
 
 
-def _read_bracket(text: str) -> str:
+def read_bracket(text: str) -> str:
     """The unit in brackets; empty where it is a number or a remark."""
     spelled = _spell(text)
+    if spelled.startswith(UNKNOWN_UNIT):
+        return UNKNOWN_UNIT
     if not spelled or spelled.isdigit():
         return ""
     if spelled in _NAMES:

@@ -170,8 +170,8 @@ def _explain_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) 
 def _advise_rate(rate: float) -> str:
     """What to write where several rows share each stamp and come at this rate [Hz]."""
     return (
-        f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert --row-rate {rate:.5g}, or "
-        f"time = {{ rate = {rate:.5g} }} in a mapping"
+        f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert LOG --row-rate {rate:.5g} --out "
+        f"joint.csv, or time = {{ rate = {rate:.5g} }} in a mapping"
     )
 
 

@@ -324,6 +324,6 @@ def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest
     monkeypatch.setattr(Structure, "compute_contributions", contributions)
     structure, effects = Structure(()), (1.0, 1.0, 2.0, 1.0)
     points = [np.concatenate([np.full(N_BASE, float(i)), [size]]) for i, size in enumerate(effects)]
-    found = _compute_contributions([(structure, point) for point in points])
+    found = list(_compute_contributions([(structure, point) for point in points], at_once=4))
     assert len(asked) == 2
     assert [one[0].delay for one in found] == list(effects)

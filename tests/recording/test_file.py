@@ -53,7 +53,11 @@ def test_plain_csv_of_a_spreadsheet_is_read(tmp_path: Path) -> None:
             "does not say where the torque .* are time, position, wobble",
         ),
         ("time,position\n0,1\n", "column 'torque' is missing"),
-        ("time,position,torque,torque\n0,1,2,2\n", "'torque' appears twice"),
+        ("# fricomp.recording/1\ntime,position,torque,torque\n0,1,2,2\n", "'torque' appears twice"),
+        (
+            "time,position,torque,torque\n0,1,2,3\n1,1,2,4\n",
+            "2 columns are called 'torque'.* --channel 'torque=torque#2'",
+        ),
         ("# fricomp.recording/9\ntime,position,torque\n0,1,2\n", "schema fricomp.recording/9.*update fricomp"),
         ("# motion: angular\ntime,position,torque\n0,1,2\n1,1,2\n", "valid are rotary, linear"),
         ("# extra: 5\ntime,position,torque\n0,1,2\n1,1,2\n", "extra is 5: give an object"),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 
 from fricomp.errors import SimulationFileError
 from fricomp.recording.named.column import simplify_joint
+from fricomp.recording.named.joint_name import count_from_one
 
 
 def parse_names(pairs: Sequence[str]) -> dict[str, str]:
@@ -42,7 +42,7 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
         raise SimulationFileError(
             f"--match names {unknown[0]!r}, which was not recorded: the recordings are of {', '.join(recorded)}"
         )
-    called = _count_from_one([name for name in recorded if name not in given], simulated)
+    called = count_from_one([name for name in recorded if name not in given], simulated)
     free = [called.get(name, name) for name in recorded if name not in given]
     free = [name for name in free if name not in simulated]
     prefixes = _find_prefix(free, simulated), _find_extra(free, simulated)
@@ -68,24 +68,6 @@ def _find(name: str, simulated: Sequence[str], prefixes: tuple[str, str]) -> str
     wanted = prefixes[0] + simplify_joint(name).removeprefix(prefixes[1])
     alike = [one for one in simulated if simplify_joint(one) == wanted]
     return alike[0] if len(alike) == 1 else None
-
-
-def _count_from_one(recorded: Sequence[str], simulated: Sequence[str]) -> dict[str, str]:
-    """Names counted from one of recorded joints that are counted from zero; none where the simulation does so too.
-
-    By their numbers all but one would be found, each as the joint before it.
-    """
-    parts = [re.fullmatch(r"(.*?)(\d+)", simplify_joint(name)) for name in recorded]
-    counted = sorted((one[1], int(one[2])) for one in parts if one)
-    if not counted or counted != [(counted[0][0], k) for k in range(len(parts))]:
-        return {}
-    called = {name: f"{one[1]}{int(one[2]) + 1}" for name, one in zip(recorded, parts, strict=True) if one}
-    there = [simplify_joint(name) for name in simulated]
-
-    def is_there(name: str) -> bool:
-        return any(one == name or one.endswith(f"_{name}") for one in there)
-
-    return called if all(map(is_there, called.values())) and not is_there(f"{counted[0][0]}0") else {}
 
 
 def _find_prefix(recorded: Sequence[str], simulated: Sequence[str]) -> str:

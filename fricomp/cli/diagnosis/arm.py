@@ -71,8 +71,14 @@ class ArmOptions:
             raise ParameterError(f"{name} {why}")
 
 
-def read_joint(path: Path, options: ArmOptions, joint: str | None = None) -> Recording:
-    """The recording of one joint, by the mapping, the columns and the name that were given.
+def read_joint(path: Path, options: ArmOptions, joint: str | None = None, simulation: Path | None = None) -> Recording:
+    """The recording of one joint, by the mapping, the columns and the names that were given.
+
+    Args:
+        path: Of the log.
+        options: As given; `--match` says what the log calls the joint.
+        joint: Its name; None where there is only one.
+        simulation: That has it.
 
     Raises:
         RecordingError: It cannot be read, or is of several joints.
@@ -81,12 +87,15 @@ def read_joint(path: Path, options: ArmOptions, joint: str | None = None) -> Rec
     from fricomp.errors import RecordingError
     from fricomp.recording import convert, load_mapping
     from fricomp.recording.file import read_content
+    from fricomp.simulation_file import list_joints
 
     if not options.mapping:
-        content = read_content(path, channels=options.channels, joint=joint)
+        logged = next((recorded for recorded, there in options.names.items() if there == joint), joint)
+        simulated = () if simulation is None or logged != joint else list_joints(simulation)
+        content = read_content(path, channels=options.channels, joint=logged, simulated=simulated)
         for finding in content.findings:
             console(stderr=True).print(f"{path.name}: {finding}", soft_wrap=True)
-        return content.recording
+        return content.recording if logged == joint else content.recording.with_metadata(joint=joint)
     found = list(convert(path, load_mapping(options.mapping)))
     if len(found) > 1 and joint is not None:
         found = [one for one in found if joint in (one.name, one.recording.metadata.joint)] or found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -188,20 +188,25 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
     def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
         pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
-        vectors = iter(problem.compute_vectors([s.unpack_plant(p) for s, p in pairs], _compute_contributions(pairs)))
+        plants = [structure.unpack_plant(point) for structure, point in pairs]
+        vectors = iter(problem.compute_vectors(plants, _compute_contributions(pairs, problem.count_at_once)))
         return [[next(vectors) for _ in points] for points in asked]
 
     return run_together([descent for _, descent in descents], evaluate)
 
 
-def _compute_contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
-    """Compute what the effects add at each point. Points of a Jacobian differ by one parameter, so most of them share
-    this."""
-    keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
-    different = dict(zip(keys, points, strict=True))
-    with ThreadPoolExecutor(JOINT.threads) as pool:
-        known = dict(zip(different, pool.map(_compute_at, different.values()), strict=True))
-    return [known[key] for key in keys]
+def _compute_contributions(
+    points: Sequence[tuple[Structure, FloatArray]], at_once: int
+) -> Iterator[list[Contribution]]:
+    """Compute what the effects add at each point, so many at once. Points of a Jacobian differ by one parameter, so
+    most of them share this."""
+    for start in range(0, len(points), at_once):
+        part = points[start : start + at_once]
+        keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in part]
+        different = dict(zip(keys, part, strict=True))
+        with ThreadPoolExecutor(JOINT.threads) as pool:
+            known = dict(zip(different, pool.map(_compute_at, different.values()), strict=True))
+        yield from (known[key] for key in keys)
 
 
 def _compute_at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:

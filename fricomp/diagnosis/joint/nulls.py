@@ -14,10 +14,14 @@ from scipy.optimize import nnls
 from ..inputs.delay import shift
 from ..inputs.spikes import take_out_spikes
 from ..inputs.track import FloatArray, TorqueNoise, Track, differentiate
+from .kernel import LANES
 from .observer import Contribution, Job, Observation, Plant
 from .problem import Problem, Weights, improve_track
 from .settings import JOINT
 from .step_answer import StepAnswer, simulate_step_answers
+
+_SIGNALS = 12
+"""Signals of a null that are held while it is simulated."""
 
 
 @dataclass(frozen=True)
@@ -93,12 +97,20 @@ class _Chain:
 
     def simulate_rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
         """Rows of `count` nulls of one recording, shape (count, n_rows) [N·m]."""
-        track, effect = self.problem.tracks[index], self.effects[index]
+        track = self.problem.tracks[index]
         rng = np.random.default_rng([seed, index])
         stepless = replace(track, resolution=0.0)  # what answers show has the encoder's steps already
         heard = [(stepless, one.position, self.applied[index] + one.torque) for one in self.answers[index][:count]]
         moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
-        nulls = [_draw_null(*each, noise, rng) for each in moved]
+        at_once = max(LANES[1], JOINT.most_held // (_SIGNALS * track.size))
+        parts = [moved[i : i + at_once] for i in range(0, len(moved), at_once)]
+        return np.concatenate(
+            [self._simulate(index, [_draw_null(*each, noise, rng) for each in part]) for part in parts]
+        )
+
+    def _simulate(self, index: int, nulls: Sequence[Track]) -> FloatArray:
+        """Rows of nulls of one recording, from what their sensors show. Shape (n_nulls, n_rows) [N·m]."""
+        effect = self.effects[index]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         if not all(np.all(np.isfinite(run.missing)) for run in first):
             raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
@@ -106,8 +118,8 @@ class _Chain:
         nulls = [
             improve_track(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)
         ]
-        runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
-        return np.stack([self.problem.grids[index].average(run.missing) for run in runs])
+        missing = self.problem.compute_missing([Job(null, self.plant, effect) for null in nulls])
+        return np.stack([self.problem.grids[index].average(one) for one in missing])
 
 
 def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:

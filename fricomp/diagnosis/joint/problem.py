@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import cycle
+from itertools import cycle, islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from scipy.signal import lfilter
 
 from ..inputs.track import FloatArray, Track, differentiate
 from .base import unpack
+from .kernel import LANES
 from .observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques, simulate_all
 from .rows import RowGrid
 from .settings import JOINT
@@ -84,14 +85,37 @@ class Problem:
         flat, n = self.observe(self._list_jobs(plants, contributions)), len(self.tracks)
         return [flat[i : i + n] for i in range(0, len(flat), n)]
 
+    @property
+    def count_at_once(self) -> int:
+        """Number of simulations of all recordings that are held in memory together."""
+        samples = sum(track.size for track in self.tracks)
+        return max(JOINT.threads * LANES[-1], JOINT.most_held // samples)
+
     def compute_vectors(
+        self, plants: Sequence[Plant], contributions: Iterable[Sequence[Contribution]]
+    ) -> list[FloatArray]:
+        """The residual as one weighted vector, for every plant. Shapes (m,).
+
+        Args:
+            plants: The joints.
+            contributions: What effects add to each along every recording; of long recordings better not all at once.
+        """
+        pairs, vectors = zip(plants, contributions, strict=True), list[FloatArray]()
+        while batch := list(islice(pairs, self.count_at_once)):
+            vectors += self._compute_vectors(*zip(*batch, strict=True))
+        return vectors
+
+    def _compute_vectors(
         self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]
     ) -> list[FloatArray]:
-        """The residual as one weighted vector, for every plant. Shapes (m,)."""
-        flat = compute_missing_torques(self._list_jobs(plants, contributions), self.observer, self.gains)
+        flat = self.compute_missing(self._list_jobs(plants, contributions))
         rows = [grid.average(one) for grid, one in zip(cycle(self.grids), flat, strict=False)]
         n = len(self.tracks)
         return [self._weigh(rows[i : i + n]) for i in range(0, len(rows), n)]
+
+    def compute_missing(self, jobs: Sequence[Job]) -> list[FloatArray]:
+        """The torque that the model lacks in each of these simulations. Shapes (n,)."""
+        return compute_missing_torques(jobs, self.observer, self.gains)
 
     def _list_jobs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[Job]:
         return [
@@ -116,7 +140,7 @@ class Problem:
 
         def evaluate(points: Sequence[FloatArray]) -> list[FloatArray]:
             plants = [unpack(point[:n_base]) for point in points]
-            contributions = [effects(point[n_base:]) for point in points]
+            contributions = (effects(point[n_base:]) for point in points)
             return self.compute_vectors(plants, contributions)
 
         return evaluate

@@ -201,6 +201,9 @@ class JointSettings:
     """The same for a slower joint, in its top speed."""
     slow_share: float = 0.1
     """Part of the rows that counts as the slowest, which say how much dry friction there is at least."""
+    most_held: int = 30_000_000
+    """Samples of simulated signals that are held at once, 8 bytes each; the longer recordings are, the fewer
+    simulations are run side by side. It changes no answer."""
     threads: int = 2
     """Number of threads that simulate at once; the answers do not depend on it."""
 

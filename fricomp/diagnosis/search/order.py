@@ -64,7 +64,8 @@ def compute_order_spectrum(
         orders = np.arange(1.0, 41.0)
     elif contexts[0].rotary:
         orders = np.unique(np.concatenate([np.arange(np.ceil(lowest), 41.0), orders]))
-    blocks = np.array_split(orders, max(1, orders.size // 64))
+    size = int(np.clip(SEARCH.ripple_cells // residual.size, *SEARCH.ripple_block))
+    blocks = np.array_split(orders, max(1, orders.size // size))
     energy = np.concatenate([_compute_energy(problem, contexts, residual, basis, block, shape) for block in blocks])
     return OrderSpectrum(orders, energy)
 

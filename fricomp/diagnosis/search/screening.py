@@ -85,7 +85,7 @@ def screen(
     points: list[tuple[Candidate, FloatArray, float]] = []
     for candidate in candidates:
         points += _list_points(structure, candidate)
-    contributions = [
+    contributions = (
         [
             a + b
             for a, b in zip(
@@ -97,7 +97,7 @@ def screen(
             )
         ]
         for candidate, vector, _ in points
-    ]
+    )
     vectors = problem.compute_vectors([structure.unpack_plant(theta)] * len(points), contributions)
     columns: dict[Candidate, list[FloatArray]] = {}
     for (candidate, _, step), vector in zip(points, vectors, strict=True):

@@ -122,6 +122,10 @@ class SearchSettings:
     base. Each costs a fit."""
     most_orders: int = 900
     """Most orders over position that are looked at. More cost time and lie closer than a recording can tell."""
+    ripple_cells: int = 1_000_000
+    """Rows times orders of ripples that are looked at together: memory, and no answer, depends on it."""
+    ripple_block: tuple[int, int] = (4, 64)
+    """Fewest and most such orders."""
     usual_load_share: float = 0.6
     """Part of the inertia that usually sits behind the gear."""
     sliding_speed: float = 2.0

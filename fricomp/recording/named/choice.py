@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +15,23 @@ from fricomp.recording.recording import CHANNELS
 from fricomp.recording.unit_word import find_unit_words, unit_for
 from fricomp.recording.validity import Samples
 
-from .column import ColumnMeaning, name_joint, read_column_name, read_column_unit, simplify_joint
-from .vendor import with_vendor_unit
+from .column import (
+    REPEATED,
+    ColumnMeaning,
+    name_joint,
+    read_column_name,
+    read_column_unit,
+    simplify_joint,
+    without_observation,
+)
+from .shared_rest import read_currents, read_shared_rests
+from .vendor import read_vendor_name, with_vendor_unit
 
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
 """Column and its meaning, by what is left of the column's name for the joint, and by channel."""
 _Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
 
+_REPEATED = re.compile(rf"{REPEATED}\d+$")
 INTEGRAL = ""
 """Name of the column of a position that is the integral of the velocity."""
 TORQUES = ("torque", "current", "load_torque", "torque_command")
@@ -63,19 +75,60 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         raise RecordingError(
             f"{path} has no column {channels[missing[0]]!r} for --channel {missing[0]}: it has {list_names(columns)}"
         )
-    known = {name: meaning for name in columns for meaning in [asked.get(name) or read_column_name(name)] if meaning}
+    known = {
+        name: meaning for name in columns if (meaning := read_vendor_name(name, columns) or read_column_name(name))
+    }
+    known |= read_shared_rests(columns)
+    known |= read_currents(columns, known) | asked
+    _refuse_repeated(path, known, channels)
+    known = {name: meaning for name, meaning in known.items() if name in asked or not _REPEATED.search(name)}
     by_word = {meaning.channel for meaning in known.values()}
     rows = max((values.size for values in columns.values()), default=0)
     for name, values in columns.items():
         if values.size == 1 < rows:
             continue  # a fact beside the columns, such as a number of dimensions
-        meaning = known.get(name) or _read_by_unit(name, by_word)
+        meaning = known.get(name) or (None if _REPEATED.search(name) else _read_by_unit(name, by_word))
         if meaning is None or (meaning.channel in channels and name not in asked) or not np.isfinite(values).any():
             continue
         meaning = with_vendor_unit(name, meaning, columns)
         own = candidates.setdefault(simplify_joint(meaning.joint), {})
         own.setdefault(meaning.channel, []).append((name, meaning))
-    return candidates
+    return {joint: own for each in candidates.items() for joint, own in _separate_paths(*each).items()}
+
+
+def _refuse_repeated(path: Path, known: Mapping[str, ColumnMeaning], channels: Mapping[str, str]) -> None:
+    """Refuse a log in which several columns are called alike that differ, and are needed.
+
+    Raises:
+        RecordingError: It is not said which of them is meant.
+    """
+    for name, meaning in known.items():
+        alike = [one for one in known if _REPEATED.sub("", one) == _REPEATED.sub("", name)]
+        if not _REPEATED.search(name) or meaning.channel in channels or meaning.channel not in ("position", "torque"):
+            continue
+        said = " or ".join(f"--channel {shlex.quote(f'{meaning.channel}={one}')}" for one in alike)
+        raise RecordingError(
+            f"{path}: {len(alike)} columns are called {_REPEATED.sub('', name)!r} and hold other numbers: say which is "
+            f"meant, counted from the left, by {said}"
+        )
+
+
+def _separate_paths(joint: str, own: dict[str, list[tuple[str, ColumnMeaning]]]) -> _Candidates:
+    """Joints of one name that stand in different paths, such as those of two arms: each with a path before its name.
+
+    Only where each of them has all that a joint needs: else they are of one joint, and one is chosen.
+    """
+    if not joint or max(map(len, own.values())) < 2:
+        return {joint: own}
+    apart: _Candidates = {}
+    for channel, found in own.items():
+        for name, meaning in found:
+            path = re.split(r"[/.]", name[: max(name.rfind(mark) for mark in "/.") + 1].rstrip("/."))
+            before = path[-2] if len(path) > 1 and simplify_joint(path[-1]) == joint else ""
+            longer = f"{before}_{meaning.joint}" if before else meaning.joint
+            each = apart.setdefault(simplify_joint(longer), {})
+            each.setdefault(channel, []).append((name, replace(meaning, joint=longer)))
+    return apart if len(apart) > 1 and all(map(_is_complete, apart.values())) else {joint: own}
 
 
 def _read_by_unit(name: str, by_word: Collection[str]) -> ColumnMeaning | None:
@@ -96,7 +149,7 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
             meaning = read_column_name(name)
             joint = match.group(1) or ""
             if joint and "{joint}" not in wanted:  # of the columns beside it, `observation.effort:3`
-                joint = "_".join([*wanted.split(".")[:-1], joint])
+                joint = "_".join([*without_observation(wanted).split(".")[:-1], joint])
             said = find_unit_words(name, -1)
             unit = unit_for(channel, said[0].unit) if said else ""
             return ColumnMeaning(channel, joint, 3, meaning.unit if meaning else unit)

@@ -23,7 +23,8 @@ _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|
 _TIME = re.compile(
     rf"^(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
     rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/]*)({_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
-    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks_[mu]s|epoch|{_CLOCK}[_ ]{_UNIT})$"
+    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks?_[mun]s|epoch|{_CLOCK}[_ ]{_UNIT})$"
+    r"|^(time|timestamp|zeit)/.*$"
     r"|^[mun]?s[_ ](today|elapsed|(since|from)[_ ].*)$",
     re.IGNORECASE,
 )
@@ -34,6 +35,8 @@ _STEPS = re.compile(
 )
 """Names of a time since the row before."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
+_TICK, _MOTOR_STATE = re.compile(r"(^|[/_.])tick$"), re.compile(r"motor_?state", re.IGNORECASE)
+"""The counter of milliseconds beside the motors' states of a robot by Unitree."""
 _SAID = re.compile(rf"(?<![a-zа-я]){_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {
     "sec": "s",
@@ -85,6 +88,8 @@ def find_stamps(columns: Iterable[str]) -> list[str]:
     """Names of columns that are called as times, the plainest first; where none is, of those in a unit of time."""
     names = list(columns)
     called = [name for name in names if _TIME.match(name) and not says_steps(name)]
+    if not called and any(_MOTOR_STATE.search(name) for name in names):
+        called = [name for name in names if _TICK.search(name)]
     called = called or [name for name in names if _TIME_UNIT.search(name) and read_column_name(name) is None]
     return sorted(called, key=lambda name: (len(name), name))
 
@@ -208,7 +213,9 @@ def _read_unit(name: str) -> str:
     """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
     said = _SAID.search(name)
     if said is None or said.start() == 0:
-        return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
+        return {"tick": "ms", "ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(
+            name.lower(), ""
+        )
     return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
 
 

@@ -40,8 +40,14 @@ _NO_CHANNEL = ("err", "error", "errors", "constant", "limit", "limits", "dimensi
 _SWITCHES = ("enable", "enabled", "mode", "status", "flag", "fault", "id")
 """Words of what switches a channel or says how it is; in front of a point or a slash they say whose it is."""
 
+_OBSERVATION = re.compile(r"^observation\.(?:\w+\.(?=.*\.(?:pos|vel|effort|torque|current|load)$))?")
+"""What LeRobot writes before the name of a joint and of what is said of it."""
+
 _TIMES = ("time", "times", "stamp", "timestamp", "tout")
 """Last words of a column that says when another one was taken: `velocity.time`."""
+
+_CLOCKS = ("time", "timestamp", "zeit")
+"""First words of the time of another column, where both stand in two lines: `Time/Angle [s]` beside `Value/Angle`."""
 
 _REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
 
@@ -69,6 +75,8 @@ _RAW += ("percent", "pct", "pwm", "duty", "permille")
 _ENCODER = ("encoder", "enc", "ticks", "counts")
 """Words of a position, where no other word is a quantity."""
 RAW_UNIT = "counts"
+REPEATED = "#"
+"""Before the number of a column that shares its name with others, of which it is not known which is meant."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +102,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
 
     `q_3`, `Position3`, `actual_q_2`, `tau_J:4`, `shoulder.effort`, `/joint_states/elbow/velocity`, `q_cmd[deg]:1`.
     """
+    name = without_observation(name)
     words = split_words(name)
     found = _find_quantity(name, words)
     if found is None:
@@ -139,6 +148,11 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in words if is_letter)]
     channel = _find_channel(kind, set(roles.values()))
     return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), -1, unit_for(kind, said[0].unit))
+
+
+def without_observation(name: str) -> str:
+    """A name without what LeRobot writes before that of a joint and of what is said of it."""
+    return _OBSERVATION.sub("", name)
 
 
 def says_asked_for(name: str) -> bool:
@@ -199,6 +213,8 @@ def _find_channel(quantity: str, roles: set[str]) -> str:
 
 def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple[int, str] | None:
     """The word that is a quantity, the last of several, and which; None where there is none."""
+    if "/" in name and words and words[0][0] in _CLOCKS:
+        return None
     spoken = [word for word, (start, _) in words if not word.isdigit() and "[" not in name[:start]]
     if spoken and spoken[-1] in _TIMES:
         return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,16 +12,19 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
+from fricomp.recording.quantity_word import split_words
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.runs import integrate, order_runs, sort_rows
-from fricomp.recording.stamps import with_row_rate
+from fricomp.recording.stamps import spread_held, with_row_rate
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
-from .choice import INTEGRAL, TORQUES, Chosen, choose_columns, list_names
+from .choice import INTEGRAL, TORQUES, choose_columns
 from .clock import find_stamps, read_times
-from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name, read_column_unit
+from .column import RAW_UNIT, ColumnMeaning, name_joint
+from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
+from .missing import explain_missing
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
 
@@ -30,6 +32,29 @@ _GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
 _FOLLOWS = 0.9
 """Part of the power of a motor's velocity that follows the joint's position, from which on its gear is told by them."""
+_SLIDES = frozenset(
+    [
+        "stroke",
+        "displacement",
+        "weg",
+        "lin",
+        "linear",
+        "slide",
+        "slider",
+        "carriage",
+        "rail",
+        "prismatic",
+        "gantry",
+        "piston",
+        "ballscrew",
+        "schlitten",
+    ]
+)
+"""Words in the position of an axis that slides."""
+_TURNS = frozenset(["angle", "angular", "rotation", "rotary", "winkel", "theta"])
+"""Words of one that turns whatever else it is called: an angular displacement."""
+_LONGEST_AXIS = 3.0
+"""Travel without a unit, above which it is asked whether such an axis is logged in metres: most are shorter [m]."""
 _FEWEST_COUNTS = 10
 """Different whole numbers from which on no chance makes all of them so."""
 _REFERENCES = ("position_reference", "velocity_reference", "torque_command")
@@ -61,8 +86,13 @@ def is_native(path: Path) -> bool:
     lines = read_first_lines(path, 2)
     if lines.states_schema or not lines.rows:
         return True
-    cells = {cell.strip() for cell in lines.rows[0].split(",")}
-    if not cells <= set(CHANNELS) or ("time" in cells and "position" not in cells and "velocity" in cells):
+    listed = [cell.strip() for cell in lines.rows[0].split(",")]
+    cells = set(listed)
+    if (
+        not cells <= set(CHANNELS)
+        or len(cells) < len(listed)
+        or ("time" in cells and "position" not in cells and "velocity" in cells)
+    ):
         return False
     return not any("[" in row or not any(map(str.isdigit, row)) for row in lines.rows[1:])  # lists, or a line of units
 
@@ -114,7 +144,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     source = next((one for one in TORQUES if any(one in chosen[joint] for joint in moved)), "")
     complete = [joint for joint in moved if any(one in chosen[joint] for one in (source, *TORQUES[:2]))]
     if not complete:
-        raise RecordingError(_explain_missing(path, columns, chosen))
+        raise RecordingError(explain_missing(path, columns, chosen))
     notes: list[str] = []
     silent = [chosen[joint]["position"][1].joint for joint in moved if joint not in complete]
     if silent:
@@ -138,64 +168,9 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         findings += found
         recordings.append(recording)
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
+    refuse_arm_in_degrees(path, recordings, sources)
     notes.append(_say_columns(path, recordings, sources))
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
-
-
-def _explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) -> str:
-    """What the columns do not say, and what to write."""
-    motors = [own["motor_position"] for own in chosen.values() if "motor_position" in own and "position" not in own]
-    if motors:
-        return _explain_motor(path, *motors[0])
-    missing = "torque" if any("position" in own for own in chosen.values()) else "position"
-    what = {"torque": "the torque", "position": "a position and a torque"}[missing]
-    if missing == "position" and _has_torque(columns):
-        what = "the position"
-    said = {name: read_column_name(name) or read_column_unit(name) for name in columns}
-    silent = [name for name, values in columns.items() if said[name] is None and _varies(values)]
-    silent = [name for name in silent if name not in find_stamps(columns) and not _rises_evenly(columns[name])]
-    likely = silent[0].partition(":")[0] if silent else ""
-    such = (
-        f", such as --channel {shlex.quote(f'{missing}={likely}')} where it is that one,"
-        if likely and "and" not in what
-        else ","
-    )
-    return (
-        f"{path} does not say where {what} of a joint is: its columns are {list_names(columns)}. Name them such as q_1 "
-        f"and tau_1, say it by --channel {missing}=NAME{such} or give a --mapping ('fricomp convert {path} --inspect' "
-        "has one to edit)"
-    )
-
-
-def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
-    """What to write of a motor's position where the joint has none of its own."""
-    if meaning.unit == RAW_UNIT:
-        return (
-            f"{path} has the position of a motor alone, {name!r}, in units of a device: write position = {{ column = "
-            f"{name!r}, scale = 6.2832/(COUNTS_A_TURN*RATIO) }} in a mapping with the number worked out, RATIO 1 where "
-            "there is no gear, and scale = RATIO for a motor's torque (docs/recordings.md)"
-        )
-    return (
-        f"{path} has the position of a motor alone, {name!r}: say --channel {shlex.quote(f'position={name}')} where "
-        f"there is no gear; else write position = {{ column = {name!r}, scale = 1/RATIO }} in a mapping, and scale = "
-        "RATIO for a motor's torque (docs/recordings.md)"
-    )
-
-
-def _has_torque(columns: Mapping[str, Samples]) -> bool:
-    """Whether the name of a column says that it is a torque, or stands for one."""
-    meanings = [read_column_name(name) for name in columns]
-    return any(meaning is not None and meaning.channel in TORQUES for meaning in meanings)
-
-
-def _varies(values: Samples) -> bool:
-    finite = values[np.isfinite(values)]
-    return finite.size > 1 and bool(np.ptp(finite) > 0.0)
-
-
-def _rises_evenly(values: Samples) -> bool:
-    """Whether a column rises by the same from row to row. Shape (n_rows,)."""
-    return values.size > 1 and bool(np.all(np.diff(values) == values[1] - values[0]))
 
 
 def _build(
@@ -210,17 +185,23 @@ def _build(
         unit = "A"
     elif own["torque"][1].unit in ("V", "mV"):
         unit = "V"
-    table = {"time": time, **_to_si(path, columns, own, time.size)}
+    table, wrapped = {"time": time, **_to_si(path, columns, own, time.size)}, tuple[Finding, ...]()
+    _require_length(path, own["position"], table.get("position", time[:1]))
     if own["position"][0] == INTEGRAL:
         table["position"] = table["velocity"]
+    elif read_wrapped_degrees(table, own):
+        wrapped = (
+            Finding("degrees", "note", "position goes round at 360: it was taken to be in degrees", "nothing to do"),
+        )
     table = _leave_out_empty(join_sparse(table))
     for channel in [one for one in own if one not in table and own[one][0] != INTEGRAL]:
         del own[channel]
     table, twins = drop_twins(table)
     table, late = sort_rows(table)
     table, findings = order_runs(table)
+    table, held = spread_held(table)
     usable, left_out = drop_bad_rows(table)
-    findings += twins + late + left_out
+    findings += wrapped + twins + late + held + left_out
     if own["position"][0] == INTEGRAL:
         usable["position"] = integrate(usable["velocity"], usable["time"])
     if usable["time"].size < 2:
@@ -312,7 +293,31 @@ def _is_linear(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
         if meaning.unit not in ("", RAW_UNIT, UNKNOWN_UNIT)
     }
     stated = {channel: find_unit(unit).si for channel, unit in said.items()}
-    return stated.get("position") == "m" or stated.get("velocity") == "m/s" or stated.get("torque") == "N"
+    if stated.get("position") == "m" or stated.get("velocity") == "m/s" or stated.get("torque") == "N":
+        return True
+    return _says_linear(*own["position"])
+
+
+def _says_linear(column: str, meaning: ColumnMeaning) -> bool:
+    """Whether a position without a unit is called as that of an axis that slides."""
+    words = {word for word, _ in split_words(column)}
+    return not meaning.unit and bool(words & _SLIDES) and not words & _TURNS
+
+
+def _require_length(path: Path, position: tuple[str, ColumnMeaning], values: Samples) -> None:
+    """Refuse to take for metres what an axis is called to slide by, and is no length of one.
+
+    Raises:
+        RecordingError: It is such a position.
+    """
+    column, meaning = position
+    travel = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
+    if _says_linear(column, meaning) and travel > _LONGEST_AXIS:
+        raise RecordingError(
+            f"{path}: {column!r} is called as the position of an axis that slides, states no unit and covers "
+            f'{travel:.4g}: say in a mapping which it is, such as position = {{ column = {column!r}, unit = "mm" }} '
+            "('fricomp convert LOG --inspect --out log.toml' begins one)"
+        )
 
 
 def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:

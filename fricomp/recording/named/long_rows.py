@@ -30,7 +30,7 @@ def separate_long_rows(columns: dict[str, Samples], words: Mapping[str, list[str
     for name, cells in words.items():
         said = name.rpartition(".")[2].lower()
         different = list(dict.fromkeys(cells))
-        if not 1 < len(different) <= _MOST:
+        if not 1 < len(different) <= _MOST or cells[0][:1] in ("[", "("):  # lists are no names
             continue
         values = [one for one in columns if one.lower() in _VALUES]
         if said in SIGNAL_LABELS and len(values) == 1:

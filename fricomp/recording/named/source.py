@@ -15,7 +15,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.sources import Contents, is_text, read_contents
-from fricomp.recording.sources.can_frames import refuse_frames
+from fricomp.recording.sources.can_frames import refuse_bytes, refuse_frames
 from fricomp.recording.sources.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
@@ -27,6 +27,7 @@ from fricomp.untrusted import require_filled
 
 from .clock import find_stamps
 from .column import read_column_name
+from .entries import drop_numbered_twins, fill_spans, name_listed, number_repeated
 from .long_rows import separate_long_rows
 
 _UNITS = ("unit", "units")
@@ -62,7 +63,7 @@ def read_named_columns(path: Path) -> dict[str, Samples]:
     )
     columns, words = found
     named = {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
-    return separate_long_rows(_with_said_units(named, words), words)
+    return separate_long_rows(_with_said_units(drop_numbered_twins(named), words), words)
 
 
 def _with_said_units(columns: dict[str, Samples], words: Mapping[str, list[str]]) -> dict[str, Samples]:
@@ -177,6 +178,7 @@ def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:
         raise RecordingError(f"{path} is no table of text: {error}") from error
     refuse_frames(path, lines)
     if layout is None:
+        refuse_bytes(path, lines)
         shown = next((line.strip() for line in lines if line.strip()), "")[:60]
         raise RecordingError(
             f"{path} has no rows of numbers below its first line {shown!r}: give a table with one column a quantity"
@@ -194,7 +196,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
     if not layout.names:
         raise RecordingError(explain_unnamed(path))
     rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
-    names = _name_index(layout.names, rows)
+    names = number_repeated(fill_spans(_name_index(layout.names, rows)), rows)
     require_filled(len(rows), len(names), sum(map(len, rows)))
     columns: dict[str, Samples] = {}
     words: dict[str, list[str]] = {}
@@ -203,21 +205,11 @@ def _read_text(path: Path) -> dict[str, Samples]:
         found = _read_cells(name, cells, layout.decimal)
         _require_numbers(path, name, cells, found)
         if any(one in columns and not np.array_equal(columns[one], new, equal_nan=True) for one, new in found.items()):
-            _refuse_twice(path, name)
             continue
         columns.update(found)
         if not any(np.isfinite(values).any() for values in found.values()):
             words[name] = cells
-    return separate_long_rows(columns, words)
-
-
-def _refuse_twice(path: Path, name: str) -> None:
-    """Refuse a name of two columns that differ, where it says that they are a quantity."""
-    if read_column_name(name) is not None:
-        raise RecordingError(
-            f"{path}: column {name!r} appears twice, with other numbers: give each a name of its own, or say by "
-            "--mapping which is which, with their numbers from 1"
-        )
+    return separate_long_rows(name_listed(columns, words), words)
 
 
 def _require_numbers(path: Path, name: str, cells: Sequence[str], found: Mapping[str, Samples]) -> None:

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import replace
+
+import numpy as np
+
+from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words, unit_for
+from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning
 
@@ -13,6 +18,26 @@ _TURNS = re.compile(
 )
 """Of moteus (its `servo_stats`) and of ODrive from firmware 0.5 on: positions in turns."""
 _TURNS_A_SECOND = re.compile(r"(^|[./])(servo_stats\.velocity|encoder\.vel_estimate|pos_vel_mapper\.vel)$")
+
+_LOOP = re.compile(r"(?:^|[./ ])([PVI])L\.(FB|CMD)(?![A-Za-z0-9])")
+"""Of Kollmorgen's drives: position, velocity and current loop, what comes back and what is asked for."""
+_OF_LOOP = {
+    "P": ("position", "position_reference", RAW_UNIT),
+    "V": ("velocity", "velocity_reference", "rpm"),
+    "I": ("current", "", "A"),
+}
+"""Channels of a loop's feedback and command, and the unit of both where the name states none."""
+_SERVO_GUIDE = {"POSF": "position", "POSFB": "position", "SPEED": "velocity", "TCMD": "torque"}
+"""Channels of Fanuc's Servo Guide, beside its command of the velocity or the torque."""
+_SERVO_GUIDE_ASKED = ("TCMD", "VCMD")
+_KUKA_AXIS = re.compile(r"(?:^|[./$])AXIS_?ACT[\[_. ]*(A?\d)\]?$", re.IGNORECASE)
+"""The system variable of a KUKA with the angles of its axes, in degrees."""
+_ACTUATOR = re.compile(r"(?:^|[./])qfrc_actuator[\[_:.]?(\w*)\]?$")
+"""What MuJoCo calls the torque of all actuators at a joint."""
+_POLICY = re.compile(r"(^|\.)(observation\.state|action)\.[^/]*\.pos$")
+"""Positions of LeRobot: degrees, or parts of a range in per cent, as the robot was set up."""
+_LARGEST_RAD = 8.0
+"""Of such a position, above which it is not in rad."""
 
 _KUKA = re.compile(r"(?:^|[./])A([IS])Pos\.(A\d)$")
 """Angles of the axes that a KUKA sends by its sensor interface, measured (`AI`) and asked for, in degrees."""
@@ -25,13 +50,40 @@ _MUJOCO = re.compile(r"(?:^|[./])actuator_force[\[_:.]?(\d*)\]?$")
 """What MuJoCo calls forces and torques of actuators alike."""
 
 
-def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Collection[str] = ()) -> ColumnMeaning:
+def read_vendor_name(name: str, beside: Mapping[str, Samples]) -> ColumnMeaning | None:
+    """What a column holds whose name says it to those who know the program alone; None of any other.
+
+    Args:
+        name: Of the column.
+        beside: All columns by name.
+    """
+    said = find_unit_words(name, -1)
+    loop = _LOOP.search(name)
+    if loop:
+        measured, asked, usual = _OF_LOOP[loop.group(1)]
+        channel = measured if loop.group(2) == "FB" else asked
+        unit = unit_for(measured, said[0].unit) if said else usual
+        return ColumnMeaning(channel, name[: loop.start()], 2, unit) if channel else None
+    word = re.split(r"[\[(\s]", name)[0]
+    if word in _SERVO_GUIDE and any(one.startswith(_SERVO_GUIDE_ASKED) for one in beside):
+        channel = _SERVO_GUIDE[word]
+        return ColumnMeaning(channel, "", 2, unit_for(channel, said[0].unit) if said else UNKNOWN_UNIT)
+    axis = _KUKA_AXIS.search(name)
+    if axis:
+        return ColumnMeaning("position", axis.group(1), 2, "deg")
+    actuator = _ACTUATOR.search(name)
+    if actuator:
+        return ColumnMeaning("torque", actuator.group(1), 1, "")
+    return None
+
+
+def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> ColumnMeaning:
     """The meaning with the unit that a drive's own tool writes such a column in; others are as they were.
 
     Args:
         name: Of the column.
         meaning: What its words say.
-        beside: Names of all columns.
+        beside: All columns by name.
     """
     if set(beside) >= _VESC and name in ("encoder_position", "q_axis_current"):
         return ColumnMeaning(meaning.channel, "", 3, "deg" if meaning.channel == "position" else "A")
@@ -45,6 +97,8 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Collection[str] 
         return meaning
     if meaning.channel == "position" and _TURNS.search(name):
         return replace(meaning, unit="turns", certainty=max(meaning.certainty, 0))
+    if meaning.channel == "position" and _POLICY.search(name) and np.nanmax(np.abs(beside[name])) > _LARGEST_RAD:
+        return replace(meaning, unit=UNKNOWN_UNIT)
     kuka = _KUKA.search(name)
     if kuka:
         channel = "position" if kuka.group(1) == "I" else "position_reference"

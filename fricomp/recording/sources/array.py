@@ -38,17 +38,24 @@ def read_mat(path: Path, source: Source) -> Columns:
 
 
 def read_npz(path: Path, source: Source) -> Columns:
-    """Read the arrays of a numpy archive; pickled objects are refused."""
+    """Read the arrays of a numpy archive; arrays of objects, which are pickled, are left out."""
     from zipfile import BadZipFile, ZipFile
 
     try:
         with ZipFile(path) as packed:
             _require_content(path, sum(member.file_size for member in packed.infolist()))
+            plain = []
             for member in packed.infolist():
                 with packed.open(member) as stream:
-                    _require_array(path, stream, member.file_size)
+                    if _require_array(path, stream, member.file_size):
+                        plain.append(member.filename.removesuffix(".npy"))
+        if not plain:
+            raise RecordingError(
+                f"{path} holds objects of Python alone, which could run code: save numbers, as arrays t, "
+                "q and tau of float"
+            )
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return flatten_arrays(_list_fields({name: archive[name] for name in archive.files}))
+            return flatten_arrays(_list_fields({name: archive[name] for name in archive.files if name in plain}))
     except (*_DAMAGED, BadZipFile) as error:
         raise RecordingError(f"{path} is no numpy archive of numbers: {error}") from error
 
@@ -73,13 +80,20 @@ def _list_fields(arrays: Mapping[str, Any]) -> dict[str, Any]:
     return flat
 
 
-def _require_array(path: Path, stream: IO[bytes], size: int) -> None:
-    """Refuse an array whose header claims more than there are bytes, before memory is taken for it."""
+def _require_array(path: Path, stream: IO[bytes], size: int) -> bool:
+    """Refuse an array whose header claims more than there are bytes, before memory is taken for it.
+
+    Returns:
+        Whether it holds no objects.
+    """
     version = np.lib.format.read_magic(stream)
     read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read_header(stream)
-    if not dtype.hasobject and math.prod(shape) * max(dtype.itemsize, 1) > size:
+    if dtype.hasobject:
+        return False
+    if math.prod(shape) * max(dtype.itemsize, 1) > size:
         raise RecordingError(f"{path} claims an array of shape {shape}, and has {size} bytes: it is damaged")
+    return True
 
 
 def _require_content(path: Path, content: int) -> None:

@@ -1,4 +1,4 @@
-"""Logs of the bare frames of a CAN bus, which do not say what their bytes hold."""
+"""Logs of bare frames of a CAN bus, or of bytes in hexadecimal, which do not say what they hold."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ _FRAME = re.compile(
 _MOSTLY = 0.5
 _LONGEST = 400
 """Characters of a line that are looked at: a frame of 64 bytes has 260."""
+_BYTES = re.compile(r"(?<![\w.])(?=\w*\d)(?=\w*[a-f])(?:0x)?(?:[0-9a-f]{2}){8,}(?![\w.])", re.IGNORECASE)
+"""Eight bytes and more in hexadecimal."""
 
 
 def refuse_frames(path: Path, lines: Sequence[str]) -> None:
@@ -35,4 +37,21 @@ def refuse_frames(path: Path, lines: Sequence[str]) -> None:
             f"{path} holds bare frames of a CAN bus, which do not say what their bytes are: decode it by the "
             f"description of the drive, such as 'python -m cantools decode --single-line drive.dbc < {path.name} > "
             "decoded.log', whose lines are read by themselves"
+        )
+
+
+def refuse_bytes(path: Path, lines: Sequence[str]) -> None:
+    """Refuse a log that holds bytes in place of numbers.
+
+    Args:
+        path: Of the file, for the message.
+        lines: Some of a text.
+
+    Raises:
+        RecordingError: Some of them have bytes in hexadecimal.
+    """
+    if any(_BYTES.search(line[:_LONGEST]) for line in lines):
+        raise RecordingError(
+            f"{path} holds bytes in hexadecimal, which do not say what they are: decode them, as by struct.unpack of "
+            "Python, and write a table with a column of numbers each for time, position and torque"
         )

@@ -1,6 +1,6 @@
 """The columns of a foreign file, by name or by number."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column
+from fricomp.recording.sources.entry_names import find_entry_names, tell_entries_apart
 from fricomp.recording.sources.text_layout import parse_number
 from fricomp.untrusted import require_filled
 
 Columns = dict[Column, NDArray[np.float64]]
 """By name, and by number from 1 where the source has an order; a name made of digits is still a name."""
+
+_MOST_CHANNELS, _LONGER = 64, 20
+"""Rows of a matrix that stands alone, up to which they are channels, and how many times longer they are then."""
 
 
 class Contents(NamedTuple):
@@ -46,21 +50,41 @@ def find_column(columns: Columns, key: Column) -> NDArray[np.float64]:
 def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
     """Give every numeric array a name: vectors `name`, column k of a matrix `name:k`.
 
-    A matrix that stands alone also answers to the numbers of its columns.
+    A matrix that stands alone also answers to the numbers of its columns, and one of as many columns as there are names
+    in a list beside it to `<name>.<matrix>`.
     """
     columns: Columns = {}
-    for name, value in arrays.items():
-        array = np.asarray(value)
+    arrays = {name: np.asarray(value) for name, value in arrays.items()}
+    entries = find_entry_names(arrays)
+    lengths = {array.size for array in arrays.values() if max(array.shape, default=0) == array.size}
+    for name, array in arrays.items():
         if array.dtype.kind not in "buif":
             continue
-        array = np.squeeze(array.astype(np.float64))
-        if array.ndim < 2:
-            columns[name] = np.atleast_1d(array)
-        elif array.ndim == 2:
-            columns.update({f"{name}:{k}": column for k, column in enumerate(array.T, start=1)})
+        matrix = _stand_rows(np.squeeze(array.astype(np.float64)), lengths)
+        if matrix.ndim < 2:
+            columns[name] = np.atleast_1d(matrix)
+        elif matrix.ndim == 2:
+            each = list(matrix.T)
+            columns.update({f"{name}:{k}": column for k, column in enumerate(each, start=1)})
             if len(arrays) == 1:
-                columns.update(enumerate(array.T, start=1))
+                columns.update(enumerate(each, start=1))
+            if len(entries) == len(each):
+                columns.update({f"{entry}.{name}": column for entry, column in zip(entries, each, strict=True)})
     return columns
+
+
+def _stand_rows(array: NDArray[np.float64], lengths: Collection[int]) -> NDArray[np.float64]:
+    """A matrix with a row a sample: turned round where its rows are as long as the vectors beside it, such as a time.
+
+    Args:
+        array: Of any shape.
+        lengths: Of the vectors beside it.
+    """
+    if array.ndim != 2 or array.shape[0] >= array.shape[1]:
+        return array
+    height, width = array.shape
+    lies = width in lengths or (height not in lengths and height <= _MOST_CHANNELS and width >= _LONGER * height)
+    return array.T if lies else array
 
 
 def flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -106,7 +130,8 @@ def _flatten_record(record: Any, prefix: str = "") -> dict[str, float]:
     if isinstance(record, str):
         return _read_word(record, prefix)
     if isinstance(record, Mapping):
-        items = [(str(name), value) for name, value in record.items()]
+        names = find_entry_names(record)
+        items = [(str(name), value) for name, value in (tell_entries_apart(record, names) if names else record).items()]
     elif isinstance(record, list | tuple):
         items = [(str(k), value) for k, value in enumerate(record, start=1)]
     else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,15 +31,45 @@ def tabulate(content: Any) -> Contents | None:
         return Contents(columns_of_records(content), _list_words(content))
     if not isinstance(content, dict | list):
         return None
+    framed = _read_frame(content)
+    if framed:
+        return Contents(columns_of_records(framed), _list_words(framed))
     found = _find_series(content) or _find_named_rows(content)
     if found is not None or isinstance(content, list):
         return found
     flat = {name: _read_dates(value) for name, value in flatten_structures(content).items()}
     rows = [value for value in flat.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
+    rows = [one for one in rows if len(one) >= _FEWEST_ROWS] or rows
     columns = flatten_arrays(flat)
     if len(rows) == 1 and all(column.size < _FEWEST_ROWS for column in columns.values()):
         return Contents(columns_of_records(rows[0]), _list_words(rows[0]))
     return Contents(columns, {name: [value] for name, value in flat.items() if isinstance(value, str)})
+
+
+def _read_frame(content: Any) -> list[dict[str, Any]]:
+    """The rows of a data frame that was written by its index, row by row or column by column; empty of anything else.
+
+    An index that does not count the rows is their time.
+    """
+    inside = list(content.values()) if isinstance(content, dict) else []
+    if len(inside) < 2 or not all(isinstance(one, dict) for one in inside):
+        return []
+    if len(inside) >= _FEWEST_ROWS and _are_numbers(content):
+        rows = [(float(key), row) for key, row in content.items()]
+    elif (
+        len(inside[0]) >= _FEWEST_ROWS
+        and _are_numbers(inside[0])
+        and all(one.keys() == inside[0].keys() for one in inside)
+    ):
+        rows = [(float(key), {name: column[key] for name, column in content.items()}) for key in inside[0]]
+    else:
+        return []
+    counts = all(key == number for number, (key, _) in enumerate(rows))
+    return [row if counts else {"time": key, **row} for key, row in rows]
+
+
+def _are_numbers(keys: Iterable[str]) -> bool:
+    return all(key.replace(".", "", 1).isdigit() for key in keys)
 
 
 def _read_dates(value: Any) -> Any:
@@ -86,14 +116,22 @@ def _read_named_rows(one: dict[str, Any]) -> Contents | None:
     inside = [value for sub in one.values() if isinstance(sub, dict) for value in sub.values()]
     lists = [value for value in (*one.values(), *inside) if isinstance(value, list) and len(value) > 1]
     names = next((found for value in lists if (found := _read_names(value))), [])
-    for rows in lists if names else ():
-        if not all(isinstance(row, list) for row in rows):
-            continue
-        if len(rows) >= _FEWEST_ROWS and all(len(row) == len(names) for row in rows):
-            return _make_table(dict(zip(names, zip(*rows, strict=True), strict=True)))
-        if len(rows) == len(names) and min(map(len, rows)) >= _FEWEST_ROWS and len(set(map(len, rows))) == 1:
-            return _make_table(dict(zip(names, rows, strict=True)))
-    return None
+    tables = [rows for rows in lists if names and all(isinstance(row, list) for row in rows)]
+    tables = [rows for rows in tables if len(names) in (len(rows), len(rows[0])) and len(set(map(len, rows))) == 1]
+    if len(tables) != 1:
+        return None  # of several, the names are those of the entries of all
+    rows = tables[0]
+    if len(rows) >= _FEWEST_ROWS and len(rows[0]) == len(names):
+        return _make_table_of_rows(names, rows)
+    return _make_table(dict(zip(names, rows, strict=True))) if len(rows[0]) >= _FEWEST_ROWS else None
+
+
+def _make_table_of_rows(names: Sequence[str], rows: Sequence[list[Any]]) -> Contents:
+    """The table of rows of cells, which may hold lists."""
+    if any(isinstance(cell, list | dict) for cell in rows[0]):
+        records = [dict(zip(names, row, strict=True)) for row in rows]
+        return Contents(columns_of_records(records), _list_words(records))
+    return _make_table(dict(zip(names, zip(*rows, strict=True), strict=True)))
 
 
 def _read_names(values: list[Any]) -> list[str]:

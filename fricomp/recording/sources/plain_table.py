@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Sequence
 
@@ -51,7 +52,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
-    lines = _tabulate_elements(lines) or _transpose(lines) or lines
+    lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
     try:
         layout = find_layout(lines[:FIRST_LINES])
         if layout is not None and layout.names:
@@ -172,6 +173,23 @@ def _transpose(lines: Sequence[str]) -> list[str] | None:
     if not table or not has_names or len({len(row) for row in table}) > 1:
         return None
     return [_join(cells, mark) for cells in zip(*table, strict=True)]
+
+
+def _name_joint_states(lines: Sequence[str]) -> list[str] | None:
+    """The rows that `ros2 topic echo --csv` prints of joint states below their names; None where they are no such.
+
+    Seconds, nanoseconds, frame, the names of all joints, and as many positions, velocities and efforts.
+    """
+    first = [split_cells(line, ",") for line in lines[:FIRST_LINES] if line.strip()][:_FEWEST_ENTRIES]
+    joints = list(itertools.takewhile(lambda cell: cell and not is_number(cell), first[0][3:])) if first else []
+    start = 3 + len(joints)
+    if not joints or any(len(row) != start + 3 * len(joints) or row[3:start] != joints for row in first):
+        return None
+    if not all(row[0].isdigit() and row[1].isdigit() and all(map(is_number, row[start:])) for row in first):
+        return None
+    named = [f"{joint}/{field}" for field in ("position", "velocity", "effort") for joint in joints]
+    head = ["stamp.sec", "stamp.nanosec", "frame_id", *(f"name_{k}" for k in range(1, len(joints) + 1)), *named]
+    return [_join(head, ","), *lines]
 
 
 def _without_units(lines: Sequence[str], layout: TextLayout) -> list[str] | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-_NAMES = ("name", "names", "joint_names")
-"""Fields of texts that name the entries of the lists beside them, as in a `JointState`."""
+from fricomp.recording.sources.entry_names import NAMES_OF_ENTRIES, tell_entries_apart
+
 _STAMP, _SPAN = "google.protobuf.Timestamp", "google.protobuf.Duration"
 
 
@@ -70,14 +70,8 @@ def _read_value(field: Any, value: Any) -> Any:
 def _name_entries(message: Any, record: dict[str, Any]) -> dict[str, Any]:
     """The record with lists of numbers told apart by the names that stand beside them: `<name>.<field>`."""
     fields = message.DESCRIPTOR.fields_by_name
-    key = next((one for one in _NAMES if one in fields and fields[one].is_repeated), None)
+    key = next((one for one in NAMES_OF_ENTRIES if one in fields and fields[one].is_repeated), None)
     names = [one for one in getattr(message, key) if isinstance(one, str)] if key is not None else []
     if not names:
         return record
-    result: dict[str, Any] = {}
-    for name, value in record.items():
-        if isinstance(value, list) and len(value) == len(names):
-            result.update({f"{joint}.{name}": one for joint, one in zip(names, value, strict=True)})
-        elif value != []:
-            result[name] = value
-    return result
+    return tell_entries_apart({name: value for name, value in record.items() if value != []}, names)

@@ -9,6 +9,7 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns, Contents
+from fricomp.recording.sources.entry_names import NAMES_OF_ENTRIES
 from fricomp.recording.unit import UNITS
 from fricomp.recording.validity import Samples
 from fricomp.untrusted import parse_json, require_filled
@@ -25,7 +26,8 @@ _LEVELS = 4
 def read_table(path: Path, source: Source) -> Contents:
     """Read a Parquet file: `name` for a column of numbers or words, `name:3` for the third entry of a column of lists.
 
-    Where the data set names the entries, as LeRobot does in meta/info.json, `name.entry` is the same.
+    Where the data set names the entries, as LeRobot does in meta/info.json, `name.entry` is the same; where a column of
+    lists of names does, as in joint states, `entry.name`.
 
     Raises:
         MissingExtraError: pyarrow is not installed.
@@ -44,6 +46,7 @@ def read_table(path: Path, source: Source) -> Contents:
     named = _entry_names(path)
     columns: Columns = {}
     words: dict[str, list[str]] = {}
+    said = _find_name_lists(table)
     for name in names:
         column, stamps = table.column(name), _read_stamps(table.column(name))
         if stamps is not None:
@@ -51,9 +54,44 @@ def read_table(path: Path, source: Source) -> Contents:
             continue
         values = column.to_pylist()
         columns.update(_columns_of(name, values, named.get(name, [])))
+        columns.update(_columns_by_names(name, values, said.get(name.rpartition(".")[0], [])))
         if any(isinstance(value, str) for value in values):
             words[name] = [value or "" for value in values]
     return Contents(columns, words)
+
+
+def _find_name_lists(table: Any) -> dict[str, list[Any]]:
+    """The column of lists of names, row by row, by the path that it shares with the lists beside it."""
+    from pyarrow import types
+
+    found = {}
+    for field in table.schema:
+        path, _, last = field.name.rpartition(".")
+        is_list = types.is_list(field.type) or types.is_large_list(field.type) or types.is_fixed_size_list(field.type)
+        if is_list and last.lower() in NAMES_OF_ENTRIES and _is_text(field.type.value_type):
+            found[path] = table.column(field.name).to_pylist()
+    return found
+
+
+def _is_text(kind: Any) -> bool:
+    from pyarrow import types
+
+    return bool(types.is_string(kind) or types.is_large_string(kind))
+
+
+def _columns_by_names(name: str, values: list[Any], names: list[Any]) -> Columns:
+    """A column of lists as one for each of the names that stand beside them, in whatever order a row has them."""
+    columns: Columns = {}
+    different = {entry for entries in names for entry in entries or ()}
+    require_filled(len(values), len(different), sum(len(entries or ()) for entries in names))
+    for row, (entries, numbers) in enumerate(zip(names, values, strict=False)):
+        if not isinstance(numbers, list) or len(entries or ()) != len(numbers):
+            continue
+        for entry, number in zip(entries, numbers, strict=True):
+            if not isinstance(number, int | float):
+                return {}
+            columns.setdefault(f"{entry}.{name}", np.full(len(values), np.nan))[row] = number
+    return columns
 
 
 def _read_arrow(path: Path) -> Any:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from fricomp.recording.quantity_word import count_known
 from fricomp.recording.unit import UNITS
-from fricomp.recording.unit_word import read_unit
+from fricomp.recording.unit_word import UNKNOWN_UNIT, read_bracket, read_unit
 
 FIRST_LINES = 200
 """Lines by which it is told how a text is laid out."""
@@ -46,6 +46,10 @@ _UNIT_LABEL = re.compile(r"^\s*(?:unit|einheit)\s*[:=]\s*", re.IGNORECASE)
 """What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
 _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
 """A line that is drawn between names and rows."""
+_LABELS_OF_UNITS = ("unit", "units", "einheit", "einheiten", "y_unit_label")
+"""What stands before a line of units."""
+_MOSTLY_UNITS = 0.6
+"""Part of the words of a line that are units, from which on the others are units that nobody here knows."""
 _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
     "sec",
     "second",
@@ -58,10 +62,7 @@ _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
     "rad/sec",
     "%",
     "w",
-    "unit",
-    "units",
-    "einheit",
-    "einheiten",
+    *_LABELS_OF_UNITS,
 }
 _LEAST_NUMBERS = 0.3
 """Part of a line's cells that are numbers, from which on it is a row."""
@@ -250,8 +251,9 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
 
 def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
     """The lines above a row with as many cells, the nearest first, up to one that has not; no comments of numbers."""
-    for number, line in reversed(list(enumerate(map(str.strip, above)))):
-        if not line or _RULE.fullmatch(line):
+    around = " \r\n" if mark == "\t" else None  # blank cells at an end are cells
+    for number, line in reversed([(number, line.strip(around)) for number, line in enumerate(above)]):
+        if not line.strip() or _RULE.fullmatch(line):
             continue
         found = _Heading(number, split_cells(line.lstrip("#%/ ") if is_comment(line) else line, mark), is_comment(line))
         if not found.is_comment and not _fits(found.cells, width):
@@ -271,7 +273,8 @@ def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled:
         layout: Without names.
         labelled: Whether a word such as `Name` in the first place is that of the line, since numbers stand below it.
     """
-    units = next((one for one in headings if any(one.cells) and all(map(_is_unit, one.cells))), None)
+    units = next((one for one in headings if _are_units(one.cells)), None)
+    units = units or next((one for one in headings if _are_units(one.cells, _MOSTLY_UNITS)), None)
     others = [one for one in headings if one is not units] or headings[:1]
     known = {one.number: count_known(one.cells) for one in others}
     line = max(others, key=lambda one: (not one.is_comment and known[one.number] > 0, known[one.number]))
@@ -319,6 +322,18 @@ def _fits(cells: Sequence[str], width: int) -> bool:
     return len(cells) == width or (abs(len(cells) - width) == 1 and len(cells) > _FEWEST_CELLS)
 
 
+def _are_units(cells: Sequence[str], least: float = 1.0) -> bool:
+    """Whether at least such a part of the cells with words are units, and the others no words of a quantity.
+
+    Letters that are units as well are no such line unless all of them are.
+    """
+    said = [cell for cell in cells if cell]
+    units = [cell for cell in said if _is_unit(cell)]
+    if len(units) == len(said):
+        return bool(said)
+    return len(units) >= least * len(said) and max(map(len, units)) > 1 and count_known(list(cells)) == 0
+
+
 def _is_unit(cell: str) -> bool:
     cell = _UNIT_LABEL.sub("", cell)
     return cell.lower() in _UNIT_WORDS or bool(read_unit(cell)) or _BRACKETS.fullmatch(cell) is not None
@@ -326,7 +341,10 @@ def _is_unit(cell: str) -> bool:
 
 def _with_unit(name: str, unit: str) -> str:
     bare = _UNIT_LABEL.sub("", unit).strip("[]()")
-    return f"{name} [{bare}]" if bare and bare not in "-–" else name
+    if not bare or bare in "-–" or bare.lower() in _LABELS_OF_UNITS:
+        return name
+    is_known = bare.lower() in _UNIT_WORDS or read_bracket(bare) != ""
+    return f"{name} [{bare}]" if is_known else f"{name} [{UNKNOWN_UNIT} {bare}]"
 
 
 def _is_entry(cell: str) -> bool:

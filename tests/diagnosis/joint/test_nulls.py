@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,10 +12,13 @@ import pytest
 from fricomp.diagnosis.inputs.controller import Controller
 from fricomp.diagnosis.inputs.delay import shift
 from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, differentiate
+from fricomp.diagnosis.joint import nulls as nulls_module
+from fricomp.diagnosis.joint import problem as problem_module
 from fricomp.diagnosis.joint.loading import build_tracks
-from fricomp.diagnosis.joint.nulls import _compute_variation, _find_sliding
+from fricomp.diagnosis.joint.nulls import _compute_variation, _find_sliding, make_nulls
 from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer
 from fricomp.diagnosis.joint.problem import Problem, Weights, build_problem
+from fricomp.diagnosis.joint.settings import JOINT as SETTINGS
 from fricomp.diagnosis.joint.step_answer import StepAnswer, simulate_step_answers
 from fricomp.diagnosis.search.preparation import prepare
 
@@ -49,6 +53,32 @@ def row_size(problem: Problem, position: FloatArray, torque: FloatArray) -> floa
     moved = replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
     run = problem.observe([Job(moved, true_plant(JOINT), Contribution())])[0]
     return float(np.median(np.abs(np.diff(problem.grids[0].average(run.missing), 2))))
+
+
+def test_memory_bounds_how_many_are_simulated_at_once_and_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    plant, nothing = true_plant(JOINT), [Contribution()]
+    plants = [replace(plant, offset=offset) for offset in np.linspace(-0.1, 0.1, 40)]
+    track = build_tracks([recording(JOINT, "fourier", 6.0)])[0]
+    problem = build_problem([track], plant, Observer())
+
+    def simulate() -> tuple[FloatArray, FloatArray]:
+        nulls = make_nulls(problem, plant, nothing, count=20, seed=3)
+        return np.stack(problem.compute_vectors(plants, (nothing for _ in plants))), nulls.rows[0]
+
+    whole = simulate()
+    monkeypatch.setattr(problem_module, "JOINT", replace(SETTINGS, most_held=1))
+    monkeypatch.setattr(nulls_module, "JOINT", replace(SETTINGS, most_held=1))
+    held: list[int] = []
+    run = problem_module.Problem.compute_missing
+
+    def count(self: Problem, jobs: Sequence[Job]) -> list[FloatArray]:
+        held.append(len(jobs))
+        return run(self, jobs)
+
+    monkeypatch.setattr(Problem, "compute_missing", count)
+    for a, b in zip(whole, simulate(), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
+    assert max(held) <= 32
 
 
 @pytest.mark.slow

@@ -266,3 +266,29 @@ def test_another_format_that_is_called_csv_is_told(start: bytes, what: str, tmp_
     (tmp_path / "log.csv").write_bytes(start)
     with pytest.raises(RecordingError, match=f"is called .csv and begins as {what}"):
         read_content(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize("unit", ["mGrad", "furlong"])
+def test_a_line_of_units_says_all_of_them_known_or_not(tmp_path: Path, unit: str) -> None:
+    """One unit that nobody here knows made a line of units be passed over, and the position was taken for rad."""
+    above = ["rig 3;;", "Zeit;Winkel;Drehmoment", f"ms;{unit};Nm"]
+    path = write(tmp_path / "log.csv", above + [row.replace(",", ";") for row in fill("{ms:.3f},{deg:.9f},{u:.9f}")])
+    if unit == "furlong":
+        with pytest.raises(RecordingError, match=r"the unit in 'Winkel \[\? furlong\]' is not known"):
+            read_content(path)
+    else:
+        np.testing.assert_allclose(read_content(path).recording.position, 1e-3 * POSITION, atol=1e-9)
+
+
+def test_the_units_of_labview_stand_in_a_line_of_facts(tmp_path: Path) -> None:
+    above = ["LabVIEW Measurement\t", "X_Columns\tMulti", "***End_of_Header***\t", "\t", "Samples\t600\t\t600\t\t"]
+    above += ["Y_Unit_Label\tdeg\t\tN.m\t\t", "X_Dimension\tTime\t\tTime\t\t", "X0\t0.0\t\t0.0\t\t"]
+    above += ["***End_of_Header***\t\t\t\t\t", "X_Value\tAngle\tX_Value\tTorque\tComment"]
+    path = write(tmp_path / "log.lvm", above + fill("{t:.6f}\t{deg:.9f}\t{t:.6f}\t{u:.9f}\t"))
+    np.testing.assert_allclose(read_content(path).recording.position, POSITION, atol=1e-8)
+
+
+def test_lerobot_names_a_joint_between_what_it_is_and_what_is_said_of_it(tmp_path: Path) -> None:
+    names = ["observation.state.elbow.pos", "observation.effort.elbow.effort"]
+    path = write(tmp_path / "log.csv", [f"timestamp,{','.join(names)}", *fill("{t:.6f},{q:.9f},{u:.9f}")])
+    assert read_content(path, joint="elbow").recording.metadata.joint == "elbow"

@@ -206,10 +206,10 @@ def test_the_state_of_a_motor_is_that_of_its_joint(tmp_path: Path) -> None:
 
 
 def test_a_column_that_is_chosen_keeps_the_unit_in_its_name(tmp_path: Path) -> None:
-    path = write(tmp_path / "log.csv", ["Time (ms),PL.FB (deg),IL.FB (Arms)", *fill("{ms:.3f},{q:.9f},{u:.9f}")])
-    with pytest.raises(RecordingError, match=r"--channel 'torque=IL\.FB \(Arms\)' where it is that one"):
+    path = write(tmp_path / "log.csv", ["Time (ms),PL.FB (deg),XY.Z (Arms)", *fill("{ms:.3f},{q:.9f},{u:.9f}")])
+    with pytest.raises(RecordingError, match=r"--channel 'torque=XY\.Z \(Arms\)' where it is that one"):
         read_content(path)
-    assert read_content(path, channels={"torque": "IL.FB (Arms)"}).recording.metadata.torque_unit == "A"
+    assert read_content(path, channels={"torque": "XY.Z (Arms)"}).recording.metadata.torque_unit == "A"
 
 
 @pytest.mark.parametrize(

@@ -210,7 +210,10 @@ def test_the_channel_that_a_refusal_proposes_for_lists_finds_the_joints_beside_i
     assert content.recording.torque == pytest.approx(TORQUE)
 
 
-def test_stamps_of_a_coarse_clock_are_told_with_the_rate_of_the_rows(tmp_path: Path) -> None:
+def test_stamps_of_a_coarse_clock_are_spread_or_told_with_the_rate_of_the_rows(tmp_path: Path) -> None:
     columns = {"TIME": np.floor(TIME / 0.02) * 0.02, "q": POSITION, "tau": TORQUE}
+    content = read_content(write_text(tmp_path / "log.csv", columns))
+    assert content.recording.sample_period == pytest.approx(1.0 / 200.0, rel=1e-2)
+    columns["q"] = np.repeat(POSITION[::4], 4)[: POSITION.size]  # held as the stamps are, which the torque is not
     with pytest.raises(RecordingError, match=r"stamped as the one before.*--row-rate 200"):
         read_content(write_text(tmp_path / "log.csv", columns))

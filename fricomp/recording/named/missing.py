@@ -1,0 +1,88 @@
+"""What to write where the columns of a log do not say what a joint needs."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.recording.sources.can_frames import refuse_bytes
+from fricomp.recording.sources.reader import is_text
+from fricomp.recording.unit_word import find_unit_words, kind_of_unit
+from fricomp.recording.validity import Samples
+
+from .choice import TORQUES, Chosen, list_names
+from .clock import find_stamps
+from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
+from .source import read_first_lines
+
+_FIRST_ROWS = 4
+"""Rows in which bytes in hexadecimal are looked for."""
+
+
+def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) -> str:
+    """What the columns do not say, and what to write."""
+    motors = [own["motor_position"] for own in chosen.values() if "motor_position" in own and "position" not in own]
+    if motors:
+        return _explain_motor(path, *motors[0])
+    missing = "torque" if any("position" in own for own in chosen.values()) else "position"
+    what = {"torque": "the torque", "position": "a position and a torque"}[missing]
+    if missing == "position" and _has_torque(columns):
+        what = "the position"
+    said = {name: read_column_name(name) or read_column_unit(name) for name in columns}
+    silent = [name for name, values in columns.items() if said[name] is None and _varies(values)]
+    silent = [name for name in silent if name not in find_stamps(columns) and not _rises_evenly(columns[name])]
+    silent = [name for name in silent if not _is_of_another(name, missing)]
+    likely = silent[0].partition(":")[0] if silent else ""
+    such = (
+        f", such as --channel {shlex.quote(f'{missing}={likely}')} where it is that one,"
+        if likely and "and" not in what
+        else ","
+    )
+    if path.is_file() and is_text(path):
+        refuse_bytes(path, read_first_lines(path, _FIRST_ROWS).rows)
+    return (
+        f"{path} does not say where {what} of a joint is: its columns are {list_names(columns)}. Name them such as q_1 "
+        f"and tau_1, say it by --channel {missing}=NAME{such} or give a --mapping ('fricomp convert {path} --inspect' "
+        "has one to edit)"
+    )
+
+
+def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
+    """What to write of a motor's position where the joint has none of its own."""
+    if meaning.unit == RAW_UNIT:
+        return (
+            f"{path} has the position of a motor alone, {name!r}, in units of a device: write position = {{ column = "
+            f"{name!r}, scale = 6.2832/(COUNTS_A_TURN*RATIO) }} in a mapping with the number worked out, RATIO 1 where "
+            "there is no gear, and scale = RATIO for a motor's torque (docs/recordings.md)"
+        )
+    return (
+        f"{path} has the position of a motor alone, {name!r}: say --channel {shlex.quote(f'position={name}')} where "
+        f"there is no gear; else write position = {{ column = {name!r}, scale = 1/RATIO }} in a mapping, and scale = "
+        "RATIO for a motor's torque (docs/recordings.md)"
+    )
+
+
+def _is_of_another(name: str, missing: str) -> bool:
+    """Whether a column states a unit, and that of another quantity than the one that is missing."""
+    said = find_unit_words(name, -1)
+    kind = kind_of_unit(said[0].unit) if said else ""
+    return kind not in ("", missing) and (missing, kind) not in (("torque", "current"), ("torque", "voltage"))
+
+
+def _has_torque(columns: Mapping[str, Samples]) -> bool:
+    """Whether the name of a column says that it is a torque, or stands for one."""
+    meanings = [read_column_name(name) for name in columns]
+    return any(meaning is not None and meaning.channel in TORQUES for meaning in meanings)
+
+
+def _varies(values: Samples) -> bool:
+    finite = values[np.isfinite(values)]
+    return finite.size > 1 and bool(np.ptp(finite) > 0.0)
+
+
+def _rises_evenly(values: Samples) -> bool:
+    """Whether a column rises by the same from row to row. Shape (n_rows,)."""
+    return values.size > 1 and bool(np.all(np.diff(values) == values[1] - values[0]))

@@ -1,0 +1,35 @@
+"""Names that stand in a list beside lists of numbers, as in a `JointState`: whose each entry is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+NAMES_OF_ENTRIES = ("name", "names", "joint_names", "joint_name", "joints", "motor_names", "motors")
+"""What such a list of names is called."""
+
+
+def find_entry_names(record: Mapping[str, Any]) -> list[str]:
+    """The names of the entries of the lists in a record; empty where it has none, or one comes twice."""
+    for key, value in record.items():
+        if key.rpartition(".")[2].lower() not in NAMES_OF_ENTRIES:
+            continue
+        if isinstance(value, np.ndarray) and value.ndim != 1:
+            continue
+        names = list(value) if isinstance(value, list | tuple | np.ndarray) else []
+        if names and all(isinstance(one, str) for one in names) and len(set(names)) == len(names):
+            return [one.strip() for one in names]
+    return []
+
+
+def tell_entries_apart(record: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """The record with each list of as many entries as there are names taken apart, as `<name>.<field>`."""
+    result: dict[str, Any] = {}
+    for field, value in record.items():
+        is_told = isinstance(value, list | tuple) and len(value) == len(names) and not isinstance(value[0], str)
+        result.update(
+            {f"{name}.{field}": one for name, one in zip(names, value, strict=True)} if is_told else {field: value}
+        )
+    return result
