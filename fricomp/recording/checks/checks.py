@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fricomp.recording.checks.folded_torque import find_folded_torque
+from fricomp.recording.checks.lost_sign import find_lost_sign
 from fricomp.recording.checks.motion_kind import (
     find_hand_motion,
     find_held_output,
@@ -58,6 +59,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_wrong_temperature,
     find_unsigned_torque,
     find_folded_torque,
+    find_lost_sign,
 )
 _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other things to them
     find_degrees,

@@ -16,8 +16,11 @@ from fricomp.recording.recording import Recording
 from fricomp.root_mean_square import compute_rms
 
 __all__ = [
+    "BlockMotion",
     "JointFit",
     "Register",
+    "average_motion",
+    "build_design",
     "explain_energy",
     "find_delay",
     "find_register",
@@ -166,8 +169,8 @@ class TwoTorques(NamedTuple):
         return abs(gain - 1.0) > max(_CERTAIN * deviation, _MATTERS, self.unexplained)
 
 
-class _Motion(NamedTuple):
-    """Block means; rows are those that slide and have both neighbours."""
+class BlockMotion(NamedTuple):
+    """Block means of a motion; rows are those that slide and have both neighbours."""
 
     time: Samples
     position: Samples
@@ -185,7 +188,7 @@ def fit_joint(recording: Recording, torque: Samples | None = None, delay: float 
         torque: In place of the recorded one [as torque].
         delay: How long after its stamp the torque acts [s].
     """
-    motion = _blocks(recording)
+    motion = average_motion(recording)
     return (
         None
         if motion is None
@@ -311,7 +314,7 @@ def read_signed(values: Samples, span: float) -> Samples:
 
 def find_delay(recording: Recording) -> float | None:
     """How long after its stamp the torque acts [s]; None where no delay makes a joint of it that could exist."""
-    motion, torque = _blocks(recording), np.asarray(recording.torque)
+    motion, torque = average_motion(recording), np.asarray(recording.torque)
     if motion is None:
         return None
     at_once = _fit(motion, recording, torque, 0.0)
@@ -328,7 +331,8 @@ def find_delay(recording: Recording) -> float | None:
     return float(tried[best])
 
 
-def _blocks(recording: Recording) -> _Motion | None:
+def average_motion(recording: Recording) -> BlockMotion | None:
+    """Average a recorded motion over blocks; None where it is too short, or goes one way only."""
     width = max(3, round(_BLOCK / recording.sample_period))
     count = len(recording) // width * width
     if count < 60 * width:
@@ -350,18 +354,24 @@ def _blocks(recording: Recording) -> _Motion | None:
     rows[:2] = rows[-2:] = False
     if min(np.sum(velocity[rows] > 0.0), np.sum(velocity[rows] < 0.0)) < 10:
         return None
-    return _Motion(time, position, velocity, acceleration, rows, width)
+    return BlockMotion(time, position, velocity, acceleration, rows, width)
 
 
-def _fit(motion: _Motion, recording: Recording, torque: Samples, delay: float) -> JointFit | None:
+def build_design(motion: BlockMotion, *, rotary: bool) -> Samples:
+    """Build what inertia, viscous and Coulomb friction, offset and gravity each add to a torque. Shape (n_rows, 5 or
+    6)."""
+    v, a, q = (each[motion.rows] for each in (motion.velocity, motion.acceleration, motion.position))
+    held = [np.sin(q), np.cos(q)] if rotary else [q]
+    return np.column_stack([a, v, np.sign(v), np.ones(v.size), *held])
+
+
+def _fit(motion: BlockMotion, recording: Recording, torque: Samples, delay: float) -> JointFit | None:
     rows = motion.rows
     count = motion.time.size * motion.width
     if delay != 0.0:
         torque = np.interp(np.asarray(recording.time) - delay, recording.time, torque)
     target = torque[:count].reshape(-1, motion.width).mean(axis=1)[rows]
-    v, a, q = motion.velocity[rows], motion.acceleration[rows], motion.position[rows]
-    held = [np.sin(q), np.cos(q)] if recording.metadata.motion == "rotary" else [q]
-    design = np.column_stack([a, v, np.sign(v), np.ones(v.size), *held])
+    v, design = motion.velocity[rows], build_design(motion, rotary=recording.metadata.motion == "rotary")
     scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
     q_part, r_part = np.linalg.qr(design / scale)
     if np.abs(np.diag(r_part)).min() < 1e-9 * np.abs(np.diag(r_part)).max():
