@@ -29,16 +29,19 @@ def test_corrupt_stamps_cost_their_own_rows_alone() -> None:
     assert sorted(np.flatnonzero(~find_rising(time)).tolist()) == sorted(bad)
 
 
-def test_a_coarse_clock_is_told_with_the_rate_to_write_and_row_rate_takes_it(tmp_path: Path) -> None:
+def test_rows_below_a_coarse_clock_are_spread_and_told_and_row_rate_takes_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     log = joint_log(12.0, 500.0, 3)
     stamps = np.floor(log.time / 0.02 + 1e-9) * 0.02
     source = tmp_path / "coarse.csv"
     rows = (f"{t:.2f},{q!r},{u!r}" for t, q, u in zip(stamps, log.position.tolist(), log.torque.tolist(), strict=True))
     source.write_text("\n".join(["time,position,torque", *rows]) + "\n")
-    with pytest.raises(RecordingError, match="--row-rate 500"):
-        convert(source, tmp_path / "out.csv")
+    convert(source, tmp_path / "spread.csv")
+    assert "they were spread, at 500 Hz" in " ".join("".join(capsys.readouterr()).split())
     convert(source, tmp_path / "out.csv", row_rate=500.0)
-    assert read_recording(tmp_path / "out.csv").sample_period == pytest.approx(2e-3)
+    for name in ("spread.csv", "out.csv"):
+        assert read_recording(tmp_path / name).sample_period == pytest.approx(2e-3)
 
 
 def test_split_writes_the_parts_and_nothing_else(tmp_path: Path) -> None:

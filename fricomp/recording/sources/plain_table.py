@@ -51,9 +51,9 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
-    lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
-    lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
     try:
+        lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
+        lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
         layout = find_layout(lines[:FIRST_LINES])
         if layout is not None and layout.names:
             return _without_units(lines, layout) or lines
