@@ -94,7 +94,7 @@ def convert(
     else:
         found = [intake.note_unusable(named) for named in found]
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
-    places = list(targets.values())
+    places = [targets[named.name] for named in found]  # two of one name would be one file
     _require_different(places)
     with claim_single_files(places, overwrite=overwrite, inputs=(source, Path(mapping))):
         found = [intake.check_named(named) for named in found]

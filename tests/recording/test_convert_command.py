@@ -8,7 +8,7 @@ import pytest
 
 from fricomp.cli.convert import convert
 from fricomp.errors import FricompError, OutputError, RecordingError
-from fricomp.recording import read_recording
+from fricomp.recording import intake, read_recording
 
 from ..cli.called import call
 
@@ -134,6 +134,16 @@ def test_two_joints_of_one_file_are_refused_before_anything_is_written(source: P
     mapping.write_text(MAPPING.replace('"hip"', '"l/e"\nsource = "hip"').replace('"knee"', '"l_e"\nsource = "knee"'))
     with pytest.raises(RecordingError, match=r"2 recordings would be .*leg_l_e.csv: choose one by --only"):
         convert(source, source.with_name("leg.csv"), str(mapping), force=True)
+    assert not list(source.parent.glob("leg*"))
+
+
+def test_two_recordings_of_one_name_are_refused_before_anything_is_written(
+    source: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    twice = intake.read_source(source, intake.Intake(str(source.with_name("robot.toml"))))[:1] * 2
+    monkeypatch.setattr(intake, "read_source", lambda *_: twice)
+    with pytest.raises(RecordingError, match=r"2 recordings would be .*: choose one by --only"):
+        convert(source, source.with_name("leg.csv"), str(source.with_name("robot.toml")), force=True)
     assert not list(source.parent.glob("leg*"))
 
 

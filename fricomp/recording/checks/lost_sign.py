@@ -41,9 +41,7 @@ def _has_lost_sign(motion: BlockMotion, size: Samples, *, rotary: bool) -> bool:
 
     The joint that is fitted with some signs tells which they should have been, from each of many starts.
     """
-    design = build_design(motion, rotary=rotary)
-    count = motion.time.size * motion.width
-    target = size[:count].reshape(-1, motion.width).mean(axis=1)[motion.rows]
+    design, target = build_design(motion, rotary=rotary), motion.average(size)
     basis = np.linalg.qr(design)[0]
     plain, best = compute_rms(target - basis @ (basis.T @ target)), np.inf
     for start in _propose_signs(design):

@@ -179,6 +179,10 @@ class BlockMotion(NamedTuple):
     rows: NDArray[np.bool_]
     width: int
 
+    def average(self, values: Samples) -> Samples:
+        """Means of samples over the blocks that slide. Shape (n_rows,)."""
+        return np.asarray(values[: self.time.size * self.width].reshape(-1, self.width).mean(axis=1)[self.rows])
+
 
 def fit_joint(recording: Recording, torque: Samples | None = None, delay: float = 0.0) -> JointFit | None:
     """Fit a rigid joint with friction; None where the motion is too short, or goes one way only.
@@ -366,12 +370,10 @@ def build_design(motion: BlockMotion, *, rotary: bool) -> Samples:
 
 
 def _fit(motion: BlockMotion, recording: Recording, torque: Samples, delay: float) -> JointFit | None:
-    rows = motion.rows
-    count = motion.time.size * motion.width
     if delay != 0.0:
         torque = np.interp(np.asarray(recording.time) - delay, recording.time, torque)
-    target = torque[:count].reshape(-1, motion.width).mean(axis=1)[rows]
-    v, design = motion.velocity[rows], build_design(motion, rotary=recording.metadata.motion == "rotary")
+    target = motion.average(torque)
+    v, design = motion.velocity[motion.rows], build_design(motion, rotary=recording.metadata.motion == "rotary")
     scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
     q_part, r_part = np.linalg.qr(design / scale)
     if np.abs(np.diag(r_part)).min() < 1e-9 * np.abs(np.diag(r_part)).max():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +80,17 @@ def write_fields_in_archive(folder: Path) -> Path:
 def write_json(folder: Path, content: object) -> Path:
     (folder / "log.json").write_text(json.dumps(content))
     return folder / "log.json"
+
+
+def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> Path:
+    """The same rows as a line of JSON each, or as Parquet, by the name of the file."""
+    import pyarrow
+    from pyarrow import parquet
+
+    if path.suffix == ".jsonl":
+        return write(path, [json.dumps(row) for row in rows])
+    parquet.write_table(pyarrow.Table.from_pylist(rows), path)
+    return path
 
 
 def write_names_beside_rows(folder: Path) -> Path:
@@ -220,20 +231,12 @@ def test_lines_of_a_boot_above_numbers_are_no_names(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", ["jsonl", "parquet"])
 def test_rows_of_joints_in_turns_are_those_of_each_joint(kind: str, tmp_path: Path) -> None:
-    import pyarrow
-    from pyarrow import parquet
-
     rows = [
         {"time": t, "joint": joint, "position": q if joint == "a" else 0.7, "torque": u}
         for t, q, u in list_rows(POSITION)
         for joint in ("a", "b")
     ]
-    path = tmp_path / f"log.{kind}"
-    if kind == "jsonl":
-        write(path, [json.dumps(row) for row in rows])
-    else:
-        parquet.write_table(pyarrow.Table.from_pylist(rows), path)
-    moved, held = read_named_log(path).recordings
+    moved, held = read_named_log(write_rows(tmp_path / f"log.{kind}", rows)).recordings
     assert (moved.metadata.joint, held.metadata.joint) == ("a", "b")
     assert moved.position == pytest.approx(POSITION)
     assert held.position == pytest.approx(np.full(N_ROWS, 0.7))
@@ -242,18 +245,10 @@ def test_rows_of_joints_in_turns_are_those_of_each_joint(kind: str, tmp_path: Pa
 @pytest.mark.parametrize("kind", ["jsonl", "parquet"])
 def test_names_of_joints_in_a_list_beside_their_numbers_are_no_words_of_a_unit(kind: str, tmp_path: Path) -> None:
     """Messages of joints keep the names of all of them in every row."""
-    import pyarrow
-    from pyarrow import parquet
-
     rows = [
         {"time": t, "name": ["a", "b"], "position": [q, 0.7], "effort": [u, 0.1]} for t, q, u in list_rows(POSITION)
     ]
-    path = tmp_path / f"log.{kind}"
-    if kind == "jsonl":
-        write(path, [json.dumps(row) for row in rows])
-    else:
-        parquet.write_table(pyarrow.Table.from_pylist(rows), path)
-    moved, held = read_named_log(path).recordings
+    moved, held = read_named_log(write_rows(tmp_path / f"log.{kind}", rows)).recordings
     assert moved.position == pytest.approx(POSITION)
     assert held.position == pytest.approx(np.full(N_ROWS, 0.7))
 
