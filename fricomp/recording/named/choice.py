@@ -103,12 +103,13 @@ def _refuse_repeated(path: Path, known: Mapping[str, ColumnMeaning], channels: M
         RecordingError: It is not said which of them is meant.
     """
     for name, meaning in known.items():
-        alike = [one for one in known if _REPEATED.sub("", one) == _REPEATED.sub("", name)]
         if not _REPEATED.search(name) or meaning.channel in channels or meaning.channel not in ("position", "torque"):
             continue
+        called = _REPEATED.sub("", name)
+        alike = [one for one in known if _REPEATED.sub("", one) == called]
         said = " or ".join(f"--channel {shlex.quote(f'{meaning.channel}={one}')}" for one in alike)
         raise RecordingError(
-            f"{path}: {len(alike)} columns are called {_REPEATED.sub('', name)!r} and hold other numbers: say which is "
+            f"{path}: {len(alike)} columns are called {called!r} and hold other numbers: say which is "
             f"meant, counted from the left, by {said}"
         )
 
