@@ -5,14 +5,17 @@
 One reader by turns answers each with a result or an error of its own. Of three copies one is damaged, one is damaged or
 well formed with other values, and one is a well-formed file of another schema. A child process reads the files, with a
 limit on its memory and on the time of each: what kills it, such as a fault in a parser written in C, is told with the
-file that did. MATLAB files, each of which is read by a process of its own, are read by copies of that child, which has
-scipy already. A line is written for each batch of files, so that a run that was stopped goes on by `--first`.
+file that did. MATLAB files, each of which is read by a process of its own, are read by a copy of that child, one after
+another until one kills it. Files lie in memory where the system has a place for that (`/dev/shm`). A line is written
+for each batch of files, so that a run that was stopped goes on by `--first`.
 """
 
 from __future__ import annotations
 
 import argparse
 import faulthandler
+import io
+import multiprocessing
 import os
 import resource
 import shutil
@@ -24,8 +27,9 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import NoReturn
 from unittest.mock import patch
 
 import numpy as np
@@ -45,6 +49,7 @@ __all__ = ["FORMATS", "Outcome", "read_hostile", "write_seed_file"]
 MEMORY = 3 * 2**30  # of a reader [bytes]; content of 1 GiB, twice, and the libraries
 SECONDS = 20  # for one file; a usual one takes a hundredth of a second
 BATCH = 10_000  # files that one child reads
+PLACE = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # deleting a file on a disk takes half of the time
 
 Outcome = Counter[str]
 """How many files were read, refused, and each kind of fault, by name."""
@@ -74,7 +79,7 @@ def read_hostile(name: str, count: int, seed: int, *, first: int = 0, at: Path |
     outcome: Outcome = Counter()
     before = signal.signal(signal.SIGALRM, _expire)
     try:
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory(dir=PLACE) as folder:
             whole = Path(folder) / "whole"
             whole.mkdir()
             write_seed_file(name, whole)
@@ -123,44 +128,68 @@ def _try(read: Callable[[Path], object], path: Path, number: int) -> str:
     return "read"
 
 
-def _call_in_copy(call: Sequence[str], **_options: object) -> subprocess.CompletedProcess[bytes]:
-    """What the reader of MATLAB files asks of a new interpreter, by a copy of this process."""
-    with tempfile.TemporaryFile() as told, tempfile.TemporaryFile() as complained:
-        copy = os.fork()
-        if copy == 0:
-            _write_and_leave(call[-1], told.fileno(), complained.fileno())
+class MatlabReader:
+    """Stands in for `subprocess.run` where a MATLAB file is read by an interpreter of its own.
+
+    A copy of this process reads one file after another, until one kills it; another copy goes on then. A new
+    interpreter for each would take a hundred times as long.
+    """
+
+    def __init__(self) -> None:
+        self._copy: multiprocessing.process.BaseProcess | None = None
+
+    def run(self, call: Sequence[str], **_options: object) -> subprocess.CompletedProcess[bytes]:
+        """Read the file that the call names, in the copy."""
+        if self._copy is None:
+            self._copy, self._line = _start_copy()
         try:
-            status = os.waitpid(copy, 0)[1]
+            self._line.send(call[-1])
+            status, told, complained = self._line.recv()
+        except EOFError:  # the file has killed it
+            self._copy.join()
+            status, told, complained = self._copy.exitcode or 1, b"", b""
+            self._copy = None
         except BaseException:
-            os.kill(copy, signal.SIGKILL)
-            os.waitpid(copy, 0)
+            self._copy.kill()
+            self._copy = None
             raise
-        texts = [os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0) for file in (told, complained)]
-    return subprocess.CompletedProcess(call, os.waitstatus_to_exitcode(status), *texts)
+        return subprocess.CompletedProcess(call, status, told, complained)
 
 
-def _write_and_leave(path: str, told: int, complained: int) -> NoReturn:
-    status = 1
-    try:
-        os.dup2(told, 1)
-        os.dup2(complained, 2)
-        warnings.simplefilter("ignore")
-        sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
-        mat_file._write_variables(path)
-        status = 0
-    except SystemExit as end:
-        status = int(end.code or 0)
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+def _start_copy() -> tuple[multiprocessing.process.BaseProcess, Connection]:
+    context = multiprocessing.get_context("fork")
+    ours, theirs = context.Pipe()
+    copy = context.Process(target=_read_one_by_one, args=(theirs, ours), daemon=True)
+    copy.start()
+    theirs.close()
+    return copy, ours
+
+
+def _read_one_by_one(line: Connection, other_end: Connection) -> None:
+    """In the copy: answer each path with the exit status and what went to both outputs."""
+    other_end.close()
+    warnings.simplefilter("ignore")
+    while True:
+        try:
+            path = line.recv()
+        except EOFError:
+            return
+        told, complained, status = io.BytesIO(), io.StringIO(), 0
+        with redirect_stdout(io.TextIOWrapper(told)), redirect_stderr(complained):
+            try:
+                mat_file.write_variables(path)
+            except SystemExit as end:
+                status = int(end.code or 0)
+            except BaseException:
+                status = 1
+            line.send((status, told.getvalue(), complained.getvalue().encode(errors="replace")))
 
 
 def _read_in_child(name: str, count: int, seed: int, first: int) -> Outcome:
     """Outcome of a batch; after a copy that kills the reader another one goes on."""
     found: Outcome = Counter()
     last = first + count
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=PLACE) as folder:
         at = Path(folder) / "at"
         while first < last:
             at.write_text(str(first))
@@ -185,7 +214,7 @@ def _be_child(name: str, count: int, seed: int, first: int, at: Path) -> None:
     warnings.simplefilter("ignore")
     outcome: Outcome = Counter()
     sizes, began = [], time.monotonic()
-    with patch.object(subprocess, "run", _call_in_copy):
+    with patch.object(subprocess, "run", MatlabReader().run):
         for part in range(4):
             start = first + part * count // 4
             outcome += read_hostile(name, first + (part + 1) * count // 4 - start, seed, first=start, at=at)

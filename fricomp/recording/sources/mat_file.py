@@ -17,7 +17,7 @@ from fricomp.recording.sources.columns import Columns, flatten_arrays, flatten_s
 
 _CHILD = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1])\n"
-    "from fricomp.recording.sources.mat_file import _write_variables; _write_variables(sys.argv[2])"
+    "from fricomp.recording.sources.mat_file import write_variables; write_variables(sys.argv[2])"
 )
 _REFUSED = 3  # exit status of a child that says why on its standard error
 
@@ -31,8 +31,7 @@ def read_variables(path: Path) -> Columns:
     """
     if find_spec("scipy") is None:
         raise MissingExtraError("scipy", "convert")
-    call = [sys.executable, "-W", "ignore", "-c", _CHILD, json.dumps(sys.path), str(path.absolute())]
-    done = subprocess.run(call, check=False, stdin=subprocess.DEVNULL, capture_output=True)
+    done = subprocess.run(make_call(path), check=False, stdin=subprocess.DEVNULL, capture_output=True)
     if done.returncode == _REFUSED:
         raise RecordingError(f"{path} {done.stderr.decode(errors='replace')}")
     if done.returncode:
@@ -42,7 +41,12 @@ def read_variables(path: Path) -> Columns:
         return {name: archive[f"column_{number}"] for number, name in enumerate(names)}
 
 
-def _write_variables(path: str) -> None:
+def make_call(path: Path) -> list[str]:
+    """What an interpreter of its own is called with."""
+    return [sys.executable, "-W", "ignore", "-c", _CHILD, json.dumps(sys.path), str(path.absolute())]
+
+
+def write_variables(path: str) -> None:
     """In the child: write all columns, and their names, to the standard output."""
     from scipy.io import loadmat
 
