@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from scipy import stats
 
-from fricomp.errors import FricompError
+from fricomp.errors import FricompError, ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, load_model
 from fricomp.report import Chart, Panel, Points
@@ -100,13 +100,29 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
     for path in sorted(folder.rglob("friction.json")):
         try:
             model = load_model(path)
-            when = datetime.fromisoformat(model.provenance.created)
-        except (FricompError, ValueError) as error:
+            found = KeptModel(path, model, _read_date(model))
+        except FricompError as error:
             left_out.append(f"{path}: {error}")
             continue
-        when = when if when.tzinfo is not None else when.replace(tzinfo=UTC)
-        kept.setdefault(model.joint, []).append(KeptModel(path, model, when.astimezone(UTC)))
+        kept.setdefault(model.joint, []).append(found)
     return tuple(_follow(joint, models) for joint, models in sorted(kept.items())), tuple(left_out)
+
+
+def _read_date(model: FrictionModel) -> datetime:
+    """When a model was made, UTC.
+
+    Raises:
+        ParameterError: It does not say, or not as a date.
+    """
+    said = model.provenance.created
+    try:
+        when = datetime.fromisoformat(said)
+        return (when if when.tzinfo is not None else when.replace(tzinfo=UTC)).astimezone(UTC)
+    except (ValueError, OverflowError) as error:
+        told = f"{said!r}, which is no date" if said else "nothing"
+        raise ParameterError(
+            f"when it was made is not known: its provenance.created says {told}; write one such as 2026-03-01T12:00"
+        ) from error
 
 
 def _follow(joint: str, models: list[KeptModel]) -> JointHistory:

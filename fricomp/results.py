@@ -107,6 +107,7 @@ RUN = Results(
         "without_compensation_*.csv", "with_compensation_*.csv", "run-*.png", "timing.png", "figures.json",
         "run.html",
     ),
+    "run.html",
 )  # fmt: skip
 ARM = Results(
     "an arm", ("arm.json", "arm.xml", "report.html", "errors.png", "residuals.png", "joints"),
@@ -125,7 +126,7 @@ TORQUE_CONSTANT = Results(
     "a torque constant", ("torque_constant.json", "bare-*.csv", "loaded-*.csv", "bare.xml", "loaded.xml"),
     "torque_constant.json",
 )  # fmt: skip
-_RECORDED = (ARM, CALIBRATION, DIAGNOSIS, EXCITATION, FLEET, TORQUE_CONSTANT)
+_RECORDED = (ARM, CALIBRATION, DIAGNOSIS, EXCITATION, FLEET, RUN, TORQUE_CONSTANT)
 
 
 def require_folder(folder: Path) -> None:

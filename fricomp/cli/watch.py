@@ -50,9 +50,8 @@ def watch(
     with claim_single_files([] if out is None else [out], overwrite=overwrite):
         histories, left_out = read_histories(folder)
         if not histories:
-            raise ParameterError(
-                f"{folder} holds no friction.json with a date: calibrate, identify or diagnose into it"
-            )
+            why = f"; left out: {'; '.join(left_out)}" if left_out else ""
+            raise ParameterError(f"{folder} holds no model (friction.json) of a known date{why}")
         answer({"joints": [_as_answer(one) for one in histories], "left_out": left_out})
         for history in histories:
             _print(history)

@@ -104,13 +104,34 @@ def read_content(
         asked = (joint, simulated)
         return _read_named(path, channels or {}, asked, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     if path.suffix.lower() in _PARQUET:
-        return read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+        return _call_as_asked(
+            path, read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate), joint, simulated
+        )
     try:
-        return read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+        content = read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     except RecordingError:
         if skip_bad_rows or row_rate is not None or read_first_lines(path, 0).states_schema:
             raise
         return _read_leniently(path, (joint, simulated))
+    return _call_as_asked(path, content, joint, simulated)
+
+
+def _call_as_asked(path: Path, content: FileContent, joint: str | None, simulated: Sequence[str]) -> FileContent:
+    """A recording that says of no joint whose it is gets the name that is asked for; of another joint it is refused.
+
+    Which joint of a simulation it is says whoever names that, whatever the recording calls it.
+
+    Raises:
+        RecordingError: It is of another joint.
+    """
+    called = content.recording.metadata.joint
+    if joint is None or simulated or called == joint:
+        return content
+    if select_joint([called], joint) is None:
+        raise RecordingError(
+            f"{path} is the recording of joint {called!r}, not of {joint!r}: leave out --joint, or say it so"
+        )
+    return content._replace(recording=content.recording.with_metadata(joint=joint))
 
 
 def _read_leniently(path: Path, asked: tuple[str | None, Sequence[str]]) -> FileContent:

@@ -76,5 +76,17 @@ def test_the_last_change_can_be_failed_on(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_models_is_refused(tmp_path: Path) -> None:
-    assert "no friction.json" in str(call(tmp_path).exception)
+    assert "no model (friction.json) of a known date" in str(call(tmp_path).exception)
     assert "is no folder" in str(call(tmp_path / "none").exception)
+
+
+@pytest.mark.parametrize("created", ["", "last week", "9999-12-31T23:59:59-10:00"])
+def test_a_model_of_no_known_date_is_left_out_with_the_reason(created: str, tmp_path: Path) -> None:
+    law = FrictionLaw((Coulomb(0.3), Viscous(0.1)))
+    (tmp_path / "undated").mkdir()
+    save_model(FrictionModel(law, provenance=Provenance(created=created)), tmp_path / "undated" / "friction.json")
+    assert "when it was made is not known" in str(call(tmp_path).exception)
+    write_models(tmp_path, "elbow", [0.3, 0.3])
+    left_out = json.loads(call(tmp_path, "--json").stdout)["left_out"]
+    assert len(left_out) == 1
+    assert "provenance.created" in left_out[0]

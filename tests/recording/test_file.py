@@ -4,10 +4,11 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fricomp.errors import RecordingError
-from fricomp.recording import Recording, RecordingWarning, read_recording, write_recording
+from fricomp.recording import Recording, RecordingMetadata, RecordingWarning, read_recording, write_recording
 from fricomp.recording.file import read_content
 
 MakeRecording = Callable[..., Recording]
@@ -166,3 +167,14 @@ def test_a_document_of_this_package_is_refused_by_what_it_is(tmp_path: Path) -> 
     path.write_text('{"schema": "fricomp.model/1", "joint": "elbow", "law": [{"term": "viscous"}]}')
     with pytest.raises(RecordingError, match="is a model that fricomp wrote, and no recording"):
         read_recording(path)
+
+
+def test_a_recording_of_no_named_joint_is_called_as_asked_and_one_of_another_is_refused(tmp_path: Path) -> None:
+    time = np.arange(60) * 0.01
+    channels = {"time": time, "position": np.sin(time), "torque": np.cos(time)}
+    for name, metadata in (("bare", RecordingMetadata()), ("elbow", RecordingMetadata(joint="elbow"))):
+        write_recording(Recording.from_channels(channels, metadata), tmp_path / f"{name}.csv")
+    assert read_recording(tmp_path / "bare.csv", joint="wrist").metadata.joint == "wrist"
+    assert read_recording(tmp_path / "elbow.csv", joint="elbow_joint").metadata.joint == "elbow_joint"
+    with pytest.raises(RecordingError, match="recording of joint 'elbow', not of 'wrist'"):
+        read_recording(tmp_path / "elbow.csv", joint="wrist")

@@ -178,7 +178,7 @@ def _explain_taken(taken_for: str, meaning: ColumnMeaning) -> str:
     """Why a column is taken for what it is."""
     if taken_for == "time":
         return f"called as a time; in {meaning.unit}, by its name or by the step from row to row"
-    return f"in {meaning.unit}" if meaning.unit else "in the unit of SI: its name has it, or none"
+    return f"in {meaning.unit}" if meaning.unit else "in the unit of SI, as no other is named"
 
 
 def _explain_unread(name: str) -> str:
