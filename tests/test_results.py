@@ -9,6 +9,7 @@ from fricomp.folder_lock import LOCK_FILE
 from fricomp.results import (
     CALIBRATION,
     DIAGNOSIS,
+    FIGURES,
     IDENTIFICATION,
     RUN,
     Results,
@@ -53,6 +54,12 @@ def test_results_of_another_kind_are_never_replaced(
     _put(tmp_path, there, "friction.json")
     with pytest.raises(OutputError, match=rf"holds {there.kind} .*would replace files of it: choose another --out"):
         require_free(tmp_path, wanted, overwrite=overwrite)
+
+
+def test_a_run_replaces_no_figures_that_are_not_of_a_run(tmp_path: Path) -> None:
+    _put(tmp_path, FIGURES, "figures.json", "timing.png")
+    with pytest.raises(OutputError, match="comes from something else: choose another --out"):
+        require_free(tmp_path, RUN, overwrite=True)
 
 
 def test_a_calibration_that_has_no_model_yet_keeps_its_folder_too(tmp_path: Path) -> None:
