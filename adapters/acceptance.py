@@ -113,6 +113,7 @@ def make_gate(
             watch_torque=mode != "torque",
             quanta=[(joint.position_quantum, joint.velocity_quantum) for joint in joints],
             describe_faults=describe_faults,
+            names=[joint.name for joint in joints],
         )
     except ParameterError as error:
         raise AdapterConfigurationError(str(error)) from error

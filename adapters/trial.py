@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from math import inf
 
 from fricomp.control.number import is_number
 from fricomp.errors import AdapterError, FricompError, ParameterError
-from fricomp.joint import JointCommand, JointFeedback
+from fricomp.joint import JointCapabilities, JointCommand, JointFeedback
 
 from .adapter import JointAdapter
 
@@ -122,11 +123,7 @@ class _Trial:
     def _open(self) -> TrialStep:
         found = self.adapter.open(take_over=self.settings.take_over)
         taken = f"taken over, and limp now: {', '.join(self.adapter.taken_over)}; " if self.adapter.taken_over else ""
-        joints = "; ".join(
-            f"{j.name}: torque {j.torque_limit:g} {j.torque_unit} in steps of {j.torque_quantum:.3g}, {j.torque_kind}; "
-            f"position steps {j.position_quantum:.3g}, velocity steps {j.velocity_quantum:.3g}"
-            for j in found.joints
-        )
+        joints = "; ".join(map(_describe_joint, found.joints))
         return TrialStep("open", True, f"{taken}{joints}; bus carries {found.highest_rate:.0f} Hz")
 
     def _configure(self) -> TrialStep:
@@ -297,6 +294,16 @@ def describe_energy(names: Sequence[str], energised: Sequence[bool | None]) -> s
         return "the drives say that nothing is energised"
     told = {True: "is energised", False: "is not energised", None: "does not tell whether it is energised"}
     return ", ".join(f"{name} {told[on]}" for name, on in zip(names, energised, strict=True))
+
+
+def _describe_joint(joint: JointCapabilities) -> str:
+    """What a drive says of its torque, and in which steps it counts; a step of 0 is that of a float."""
+    most = f"torque up to {joint.torque_limit:g} {joint.torque_unit}"
+    if joint.torque_limit == inf:
+        most = f"torque in {joint.torque_unit}, no limit told"
+    steps = {"torque": joint.torque_quantum, "position": joint.position_quantum, "velocity": joint.velocity_quantum}
+    counted = ", ".join(f"{name} {step:.3g}" for name, step in steps.items() if step)
+    return f"{joint.name}: {most}, {joint.torque_kind}; {f'steps of {counted}' if counted else 'no steps'}"
 
 
 def _list(values: Sequence[float]) -> str:

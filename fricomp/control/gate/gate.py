@@ -84,9 +84,11 @@ class SafetyGate:
         quanta: Steps of each joint's position [rad] or [m] and velocity [rad/s] or [m/s], by which motion that
             contradicts itself is told from coarse sensors; none where they are fine.
         describe_faults: Says in words what the fault codes of the joints mean.
+        names: Of the joints, for what is told of them; their numbers if none are given.
 
     Raises:
-        ParameterError: No joint, or a time that is not finite and positive (`ramp_time` may be zero).
+        ParameterError: No joint, other than one name a joint, or a time that is not finite and positive (`ramp_time`
+            may be zero).
     """
 
     def __init__(
@@ -99,6 +101,7 @@ class SafetyGate:
         watch_torque: bool = False,
         quanta: Sequence[tuple[float, float]] = (),
         describe_faults: Callable[[Sequence[int]], str] = lambda codes: f"codes {list(codes)}",
+        names: Sequence[str] = (),
     ) -> None:
         if not (isinstance(limits, Sequence) and limits and all(isinstance(each, JointLimits) for each in limits)):
             raise ParameterError(f"a safety gate needs the limits of at least one joint, got {limits!r}")
@@ -106,14 +109,17 @@ class SafetyGate:
         for name, (value, lowest) in times.items():
             if not is_number(value, lowest, _LONGEST):
                 raise ParameterError(f"{name} must be from {lowest:g} to {_LONGEST:g} s, got {value!r}")
+        if names and len(names) != len(limits):
+            raise ParameterError(f"{len(names)} names given for {len(limits)} joints: give one for each")
         self.limits = tuple(limits)
+        self._names = tuple(names) or tuple(f"joint {number}" for number in range(len(limits)))
         self._period_ns = round(period * _NANOSECONDS)
         self._ramp_ns = max(round(ramp_time * _NANOSECONDS), 1)
         self._stale_ns = round(stale_after * _NANOSECONDS)
         self._torque_limits = [limit.torque for limit in limits]
         self._rates = [limit.torque_rate / _NANOSECONDS for limit in limits]
         self._steps = [rate * self._period_ns for rate in self._rates]
-        self._motion = MotionWatch(limits, quanta, period, stale_after)
+        self._motion = MotionWatch(limits, quanta, period, stale_after, self._names)
         self._fastest = [limit.velocity for limit in limits]
         self._ranges = [limit.position or (-_HIGHEST, _HIGHEST) for limit in limits]
         self._hottest = [(j, limit.temperature) for j, limit in enumerate(limits) if limit.temperature is not None]
@@ -261,21 +267,21 @@ class SafetyGate:
         """Find out which limit it was."""
         if any(feedback.fault):
             self.trip("drive_fault", f"the drives report {self._describe_faults(feedback.fault)}", now_ns)
-        rows = zip(feedback.position, feedback.velocity, self._fastest, self._ranges, strict=True)
-        for joint, (q, v, fastest, (lowest, highest)) in enumerate(rows):
+        rows = zip(self._names, feedback.position, feedback.velocity, self._fastest, self._ranges, strict=True)
+        for name, q, v, fastest, (lowest, highest) in rows:
             if not (math.isfinite(q) and math.isfinite(v)):
-                self.trip("not_finite", f"joint {joint} reports position {q!r} and velocity {v!r}", now_ns)
+                self.trip("not_finite", f"{name} reports position {q!r} and velocity {v!r}", now_ns)
             elif abs(v) > fastest:
-                self.trip("overspeed", f"joint {joint} moves at {v:g}, limit {fastest:g}", now_ns)
+                self.trip("overspeed", f"{name} moves at {v:g}, limit {fastest:g}", now_ns)
             elif not lowest <= q <= highest:
-                detail = f"joint {joint} is at {q:g}, limits {lowest:g} to {highest:g}"
+                detail = f"{name} is at {q:g}, limits {lowest:g} to {highest:g}"
                 self.trip("position_limit", detail, now_ns)
         for joint, hottest in self._hottest:
-            hot = feedback.temperature[joint]
+            hot, name = feedback.temperature[joint], self._names[joint]
             if hot > hottest:
-                self.trip("overtemperature", f"joint {joint} is at {hot:g} °C, limit {hottest:g}", now_ns)
+                self.trip("overtemperature", f"{name} is at {hot:g} °C, limit {hottest:g}", now_ns)
             elif math.isnan(hot) and self._armed and now_ns - self._armed_ns > _UNKNOWN_TEMPERATURE_NS:
-                detail = f"joint {joint} does not report its temperature, limit {hottest:g} °C"
+                detail = f"{name} does not report its temperature, limit {hottest:g} °C"
                 self.trip("overtemperature", detail, now_ns)
         if self._record is None and self._armed:  # within its limits, and farther than it could come unseen
             self._watch_motion(feedback, now_ns)

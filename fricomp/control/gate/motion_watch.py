@@ -72,6 +72,7 @@ class MotionWatch:
         quanta: Steps of position [rad] or [m] and velocity [rad/s] or [m/s] of each joint; none where unknown.
         period: Control period [s].
         stale_after: Age at which data are stale [s].
+        names: What each joint is called where it is told of.
 
     Attributes:
         lowest: Lowest position of each joint that needs no closer look.
@@ -85,7 +86,9 @@ class MotionWatch:
         quanta: Sequence[tuple[float, float]],
         period: float,
         stale_after: float,
+        names: Sequence[str],
     ) -> None:
+        self._names = names
         lag = self._lag = LAG + LAG_OF_STALE * stale_after
         self._memory = MEMORY * lag
         self._interval = 1e-9 * LOOK_NS + period
@@ -162,13 +165,13 @@ class MotionWatch:
         self._position[j], self._velocity[j], self._speed[j], self._drift[j] = q, v, speed, drift
         farthest = reach * (elapsed if elapsed > HORIZON else HORIZON) + floor
         if not -farthest <= step <= farthest:
-            return Contradiction("jump", f"joint {j} jumps by {step:.4g} within {1e3 * elapsed:.3g} ms")
+            return Contradiction("jump", f"{self._names[j]} jumps by {step:.4g} within {1e3 * elapsed:.3g} ms")
         allowed = (self._lag + self._gap) * speed + floor
         if not -allowed <= drift <= allowed:
             return Contradiction(
                 "contradiction",
-                f"joint {j} reports {v:.4g} as its velocity, and its position has moved by {drift:.4g} more than that "
-                f"of late, limit {allowed:.4g}",
+                f"{self._names[j]} reports {v:.4g} as its velocity, and its position has moved by {drift:.4g} more "
+                f"than that of late, limit {allowed:.4g}",
             )
         reach, (low, high) = reach * HORIZON + floor, self._ranges[j]
         least, most = q - reach, q + reach
@@ -185,8 +188,8 @@ class MotionWatch:
             return None
         return Contradiction(
             "frozen",
-            f"joint {j} has not moved by one step for {1e3 * self._standing[j]:.0f} ms under {torque:.4g}, and stood "
-            f"there under {least if torque - least > band else most:.4g}: no friction up to its breakaway limit "
+            f"{self._names[j]} has not moved by one step for {1e3 * self._standing[j]:.0f} ms under {torque:.4g}, and "
+            f"stood there under {least if torque - least > band else most:.4g}: no friction up to its breakaway limit "
             f"{0.5 * band:.4g} holds it under both. Its encoder has failed, or it is blocked; where it sticks as hard "
             f"as that, raise its limit breakaway",
         )
@@ -206,6 +209,6 @@ class MotionWatch:
             return None
         return Contradiction(
             "runaway",
-            f"joint {j} moves against a torque of {torque:.4g} and has become faster by {gained:.4g} in "
+            f"{self._names[j]} moves against a torque of {torque:.4g} and has become faster by {gained:.4g} in "
             f"{1e3 * self._running[j]:.0f} ms: its sensor is mirrored, or a load overcomes the drive",
         )

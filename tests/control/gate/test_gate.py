@@ -331,6 +331,16 @@ def test_the_joint_that_is_outside_is_named_and_not_one_at_its_limit(name: str) 
     assert "joint 1 " in gate.trip_record.detail
 
 
+def test_a_joint_is_told_of_by_its_name_where_it_has_one() -> None:
+    gate, feedback = SafetyGate(LIMITS, period=1e-3, names=["shoulder", "elbow"][: len(LIMITS)]), well(2 * MS)
+    feedback.velocity[0] = 1e3
+    assert not gate.observe(feedback, 2 * MS)
+    assert gate.trip_record is not None
+    assert gate.trip_record.detail.startswith("shoulder moves at 1000")
+    with pytest.raises(ParameterError, match="3 names given"):
+        SafetyGate(LIMITS, period=1e-3, names=["a", "b", "c"])
+
+
 def test_torques_of_another_number_of_joints_are_refused_where_they_are_watched() -> None:
     gate, feedback = SafetyGate(LIMITS, period=1e-3, watch_torque=True), well(2 * MS)
     feedback.torque = [0.0]
