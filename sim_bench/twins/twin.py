@@ -44,6 +44,11 @@ class DriveTwin(ABC):
         """Answer what has come, advance the joints by one period, and send what is due."""
         with self._guard:
             self._pump()
+            self.advance()
+
+    def advance(self) -> None:
+        """Advance the joints by one period and send what is due; nothing is answered."""
+        with self._guard:
             self.stand_in.step()
             self._tick(self.stand_in.time_ns)
 
@@ -139,13 +144,22 @@ class TwinServer:
             self.error = error
 
     def _serve(self) -> None:
-        twin, period = self._twin, self._twin.stand_in.settings.period
         due = time.monotonic()
         while not self._stop.is_set():
-            busy = twin.pump()
-            now = time.monotonic()
-            if self._real_time and now >= due:
-                twin.step()
-                due = max(due + period, now - LARGEST_LAG)
-            elif not busy:
+            if self._real_time:
+                due = self._catch_up(due)
+            if not self._twin.pump():
                 time.sleep(IDLE_SLEEP)
+
+    def _catch_up(self, due: float) -> float:
+        """Let the joints move until now; gives the time of the next period [s].
+
+        Before anything is answered: a real drive goes on where this process is halted, and tells where it is, not where
+        it was. A state that is older than its answer would look like a jump.
+        """
+        now, period = time.monotonic(), self._twin.stand_in.settings.period
+        due = max(due, now - LARGEST_LAG)
+        while due <= now:
+            self._twin.advance()
+            due += period
+        return due
