@@ -43,6 +43,7 @@ class JointAdapter(HeldDriver):
     def __init__(self, options: AdapterOptions, clock: Clock | None = None) -> None:
         super().__init__(options, clock)
         self._asked_ns = 0  # when the drives were last asked for their state: every write asks
+        self._sending_ns = 0  # how long that request took out of this process
         self._capabilities: Capabilities | None = None
         self._opened_watchdog: Watchdog | None = None
         self._mode: CommandMode = "torque"
@@ -208,8 +209,9 @@ class JointAdapter(HeldDriver):
             try:
                 self._lock_owner = threading.get_ident()
                 if self._admit(command, gate):
-                    self._asked_ns = self.clock.now_ns()
+                    began = self._asked_ns = self.clock.now_ns()
                     self._write(self._drive.command_from_joint(), self._mode)
+                    self._sending_ns = self.clock.now_ns() - began
             except BaseException as error:
                 gate.trip(reason_of(error), str(error) or repr(error), self.clock.now_ns())
                 raise_own(error)

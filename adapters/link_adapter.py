@@ -19,6 +19,8 @@ __all__ = ["LinkAdapter"]
 
 REST_PERIOD_NS = 5_000_000
 """How often drives at rest, to which nothing is written, are asked for their state [ns]."""
+HELD_UP_NS = 5_000_000
+"""How long a request may take out of this process [ns]: as often as motion is looked at by the gate."""
 
 
 class AnyLink(Protocol):
@@ -69,6 +71,7 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         self._arrivals = Arrivals(parts * len(joints))
         self._reported = JointFeedback(len(joints))
         self._taken_ns = -1
+        self._was_held_up = False
         self.n_damaged = 0
 
     @classmethod
@@ -176,12 +179,23 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         if not self._arrivals.take() or self._taken_ns == self._asked_ns:
             return False
         self._taken_ns = self._asked_ns
+        if self._is_untimed():
+            return False
         source = self._reported
         feedback.time_ns = self._asked_ns
         feedback.position, feedback.velocity = source.position, source.velocity
         feedback.torque, feedback.current = source.torque, source.current
         feedback.temperature, feedback.fault = source.temperature, source.fault
         return True
+
+    def _is_untimed(self) -> bool:
+        """Whether nobody knows how old the state is, because its request was held up in a process that was halted.
+
+        Taken for as old as the request, the joint would seem to have jumped. Never twice in a row: on a bus that always
+        is as slow, that is the age that its states have.
+        """
+        self._was_held_up = self._sending_ns > HELD_UP_NS and not self._was_held_up
+        return self._was_held_up
 
     def _close(self) -> None:
         link, self._link = self._link, None
