@@ -81,7 +81,7 @@ class ConfirmedData:
 
     def __init__(self, arm: SimulatedArm, equations: ArmEquations, prior: ArmPrior, rows: ArmRows) -> None:
         self.equations = equations
-        self._arm, self._prior, self._ripples = arm, prior, RippleSearch(rows)
+        self._arm, self._prior, self._ripples = arm, prior, RippleSearch(rows, arm.rotary)
         self._block = np.arange(len(rows)) * _BLOCKS // len(rows)
         self._spans = [_list_spans(rows, mean) for mean in _MEANS]
         self._sums = equations.split(self._block)

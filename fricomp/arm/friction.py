@@ -156,7 +156,7 @@ TERMS = {
         JointTerm("spring_torque", ("stiffness",)),
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
-        JointTerm("cogging", ("cosine", "sine"), filled="ripple", angular=True),
+        JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
         JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True, angular=True),
         JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
         JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),

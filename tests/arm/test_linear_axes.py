@@ -18,6 +18,7 @@ from .moving_arm import record_arm
 from .test_examination import names_of
 
 _AXES = ("bridge", "ram", "yaw")
+_PITCH = 0.1
 _MJCF = """<mujoco><worldbody><body name="a"><inertial pos="0 0 0" mass="4" diaginertia="0.1 0.1 0.1"/>
 <joint name="bridge" type="slide" axis="1 0 0" armature="1"/>
 <body name="b"><inertial pos="0 0 -0.1" mass="2" diaginertia="0.02 0.02 0.02"/>
@@ -28,6 +29,10 @@ _MJCF = """<mujoco><worldbody><body name="a"><inertial pos="0 0 0" mass="4" diag
 
 def _fall_with_speed(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
     return np.asarray((0.5 if joint == 0 else 0.0) * np.exp(-((v / 0.11) ** 2)) * np.sign(v))
+
+
+def _ripple(joint: int, q: FloatArray, _: FloatArray, __: FloatArray) -> FloatArray:
+    return np.asarray((0.6 if joint == 0 else 0.0) * np.cos(2.0 * np.pi * q / _PITCH + 0.4))
 
 
 @pytest.fixture(scope="module")
@@ -48,10 +53,18 @@ def test_a_linear_axis_has_its_stribeck_curve(simulation: Path) -> None:
     assert found.record.joints[0].unit == "N"
 
 
+def test_the_force_ripple_of_a_linear_axis_is_named_with_its_pitch(simulation: Path) -> None:
+    found = examine_arm(record_arm(simulation, _ripple, duration=20.0, joints=_AXES), simulation)
+    assert names_of(found.record) == {"bridge": ["cogging"], "ram": [], "yaw": []}
+    order = found.record.joints[0].effects[0].parameters["order"]
+    assert order.unit == "1/m"
+    assert order.value == pytest.approx(2.0 * np.pi / _PITCH, rel=0.02)
+
+
 def test_what_goes_with_an_angle_is_not_tried_on_a_linear_axis(simulation: Path) -> None:
     model = ArmModel(tuple(JointForm() for _ in _AXES))
     tried = {name for name, _ in propose_models(read_arm(simulation, _AXES), model)}
-    angular = ("presliding_hysteresis", "position_coulomb", "cogging", "backlash")
+    angular = ("presliding_hysteresis", "position_coulomb", "backlash")
     assert {f"yaw: {name}" for name in angular} <= tried
     assert not {f"ram: {name}" for name in angular} & tried
-    assert {"ram: stribeck", "ram: load_coulomb", "ram: quadratic_drag", "ram: torque_delay"} <= tried
+    assert {"ram: stribeck", "ram: load_coulomb", "ram: cogging", "ram: quadratic_drag", "ram: torque_delay"} <= tried

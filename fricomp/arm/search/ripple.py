@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fricomp.laws import FloatArray
@@ -13,6 +15,10 @@ from ..rows import ArmRows
 
 _HIGHEST = 400.0
 """Most waves a radian times 2 pi that are looked for: at 1 rad/s they pass at 64 Hz, beyond what is compared."""
+
+_HIGHEST_ALONG = 2.0 * np.pi / 1e-3
+"""The same a metre, of axes that slide: the magnets of their motors and the threads of their screws are further apart
+than a millimetre."""
 
 _STEPS = 4.0
 """Orders a resolvable line: between two of them no line is missed by more than a tenth of its power."""
@@ -26,12 +32,14 @@ class RippleSearch:
 
     Args:
         rows: Motion.
+        rotary: Whether each joint turns.
     """
 
-    def __init__(self, rows: ArmRows) -> None:
+    def __init__(self, rows: ArmRows, rotary: Sequence[bool]) -> None:
         self._position = rows.compare(lambda q, _, __: q)
         speed = np.median(np.abs(rows.compare(lambda _, v, __: v)), axis=0)
-        self._highest = np.minimum(2.0 * np.pi * rows.cutoff / np.maximum(speed, 1e-9), _HIGHEST)
+        most = np.where(rotary, _HIGHEST, _HIGHEST_ALONG)
+        self._highest = np.minimum(2.0 * np.pi * rows.cutoff / np.maximum(speed, 1e-9), most)
 
     def find_order(self, joint: int, left: FloatArray, kept: BoolArray | None = None) -> float:
         """Order of the strongest line in the residuals of a joint, or of some of their rows; 0 for no room.
@@ -55,7 +63,7 @@ def propose_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit) -> ArmE
     A wave that the fit has already keeps its order.
     """
     left = fit.residuals(equations) * equations.weights.rows
-    search, orders = RippleSearch(rows), equations.ripple.copy()
+    search, orders = RippleSearch(rows, fit.arm.rotary), equations.ripple.copy()
     for j, form in enumerate(fit.model.forms):
         if "cogging" not in dict(form.terms):
             orders[j] = search.find_order(j, left[:, j])
