@@ -16,6 +16,9 @@ _NO_MASS, _NO_INERTIA = 1e-9, 1e-12
 _POSSIBLE = 1.0 - 1e-6
 """Of the sum of two moments of inertia that the third may be: rounding must not put it above again."""
 
+_MACROS = ("<xacro:macro ", "<xacro:property ", "<xacro:if ", 'name="${', 'value="${')
+"""What stands in the source of a URDF alone: xacro leaves none of it, and may leave `$(arg ...)` of other programs."""
+
 
 def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
     """Compile an MJCF or URDF file for MuJoCo, without meshes, height fields, textures and skins.
@@ -85,12 +88,23 @@ def read_specification(path: str | Path, extra: str = "diagnose") -> Any:
         raise MissingExtraError("mujoco", extra) from error
     if not Path(path).is_file():
         raise SimulationFileError(f"there is no simulation {path}: give an MJCF or URDF file")
+    _refuse_macros(Path(path))
     try:
         spec: Any = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
         raise SimulationFileError(f"cannot read the simulation {path}: {error}") from error
     _remove_shapes(mujoco, spec, Path(path))
     return spec
+
+
+def _refuse_macros(path: Path) -> None:
+    """Refuse the source of a URDF: MuJoCo reads what is left when its macros are passed over, or ends at a number."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if any(mark in text for mark in _MACROS):
+        raise SimulationFileError(
+            f"{path} is the xacro that a URDF is made of, with macros and values to fill in: give what "
+            f"`xacro {path.name} > robot.urdf` writes"
+        )
 
 
 class Mimic(NamedTuple):

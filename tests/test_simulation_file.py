@@ -51,3 +51,21 @@ def test_what_is_no_simulation_is_refused(tmp_path: Path, text: str | None) -> N
         path.write_text(text)
     with pytest.raises(ParameterError, match=r"arm\.xml"):
         compile_simulation(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [('value="1.5"', 'value="${mass}"'), ('name="elbow"', 'name="${prefix}elbow"'), ("<link", "<xacro:macro /><link")],
+)
+def test_the_source_of_a_urdf_is_refused_with_what_makes_one_of_it(tmp_path: Path, old: str, new: str) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(URDF.format(place="visual", ending="dae").replace(old, new, 1))
+    with pytest.raises(ParameterError, match=r"xacro arm\.urdf > robot\.urdf"):
+        compile_simulation(path)
+
+
+def test_what_xacro_leaves_of_other_programs_plays_no_part(tmp_path: Path) -> None:
+    left = '<xacro:arg name="ns" default=""/><gazebo><plugin><ns>$(arg ns)</ns></plugin></gazebo></robot>'
+    path = tmp_path / "arm.urdf"
+    path.write_text(URDF.format(place="visual", ending="dae").replace("</robot>", left))
+    assert compile_simulation(path).joint(0).name == "elbow"

@@ -56,6 +56,7 @@ class ArmRecording:
         left_out: Share of the time that lies in no part.
         recordings: What each joint was read from, in the same order.
         still: Joints that were recorded and stood still.
+        strangers: Joints that were recorded and moved, and that the simulation does not have.
         held: Joints whose rows mostly repeat the one before, at which those rows were left out.
         turned: Joints whose torques were recorded the other way round; here they are turned.
         placed: Whether positions and velocities said when rows were sampled, since stamps did not.
@@ -66,6 +67,7 @@ class ArmRecording:
     left_out: float
     recordings: tuple[Recording, ...]
     still: tuple[str, ...] = ()
+    strangers: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
     turned: tuple[str, ...] = ()
     placed: bool = False

@@ -65,6 +65,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         left_out=found.recording.left_out,
         held_joints=tuple(name for name in arm.held if name not in found.recording.still),
         still_joints=found.recording.still,
+        unknown_joints=found.recording.strangers,
         one_way=found.recording.one_way,
         turned_torques=found.recording.turned,
         better_frames=find_better_frames(arm, found.recording),
@@ -335,6 +336,11 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
         lines.append(
             f"Stood still, so that nothing is said of them: {', '.join(record.still_joints)}. Their links count with "
             "the one that carries them."
+        )
+    if record.unknown_joints:
+        lines.append(
+            f"Recorded, but not in the simulation, so that they were left out: {', '.join(record.unknown_joints)}. What "
+            "they move counts with the link that carries it, as if it stood still."
         )
     if record.held_joints:
         lines.append(

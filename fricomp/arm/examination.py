@@ -12,6 +12,7 @@ import numpy as np
 from fricomp.blas import one_blas_thread
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording
+from fricomp.simulation_file import list_joints
 
 from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
@@ -20,6 +21,7 @@ from .drive_gain import take_torques
 from .identification import Progress, identify_arm
 from .prior import ArmPrior
 from .record import ArmRecord
+from .rigid.naming import find_strangers
 from .rigid.simulated_arm import SimulatedArm, read_arm
 from .search.frames import find_turned_torques, turn_torque
 
@@ -115,7 +117,12 @@ def match_recordings(
     if apart:
         kept = [one for one in recordings if one.metadata.joint not in apart]
         arm, joined = match_recordings(kept, simulation, names, gains)
-        return arm, replace(joined, still=(*joined.still, *apart))
+        still = _find_still(torques)
+        return arm, replace(
+            joined,
+            still=(*joined.still, *(name for name in apart if name in still)),
+            strangers=tuple(name for name in apart if name not in still),
+        )
     if arm.order != tuple(range(len(recorded))):
         recorded, torques = [recorded[i] for i in arm.order], [torques[i] for i in arm.order]
         arm = read_arm(simulation, recorded, names)
@@ -143,7 +150,8 @@ def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> ArmReco
 def _read_recorded(
     simulation: str | Path, recordings: Sequence[Recording], names: Mapping[str, str] | None
 ) -> tuple[SimulatedArm, tuple[str, ...]]:
-    """The arm with these joints, and names of recorded ones that it lacks and that stood still, such as a gripper's."""
+    """The arm with these joints, and names of recorded ones that it lacks, such as a gripper's: they stood still, or all
+    of its own were recorded beside them."""
     recorded = [one.metadata.joint for one in recordings]
 
     def read(left_out: Collection[str]) -> SimulatedArm:
@@ -153,6 +161,9 @@ def _read_recorded(
     try:
         return read(()), ()
     except SimulationFileError:
+        strangers = find_strangers(recorded, list_joints(simulation), names or {})
+        if strangers:
+            return read(strangers), strangers
         still = set(_find_still(recordings))
         if not still or len(still) > len(recorded) - 2:
             raise

@@ -174,6 +174,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         summary: The answer in a few sentences: what is wrong, in which joints and links, and what to do.
         held_joints: Joints of the simulation that nothing was recorded of.
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
+        unknown_joints: Joints that were recorded and moved, and that the simulation does not have: they were left out.
         turned_torques: Joints whose torques were recorded with the opposite sign, and were turned round.
         better_frames: Joints whose zero or direction seems to be another one than in the simulation.
         torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
@@ -193,6 +194,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     summary: tuple[str, ...] = ()
     held_joints: tuple[str, ...] = ()
     still_joints: tuple[str, ...] = ()
+    unknown_joints: tuple[str, ...] = ()
     tilt: dict[str, Quantity] | None = None
     one_way: tuple[str, ...] = ()
     turned_torques: tuple[str, ...] = ()

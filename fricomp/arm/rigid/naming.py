@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from itertools import combinations
 
 from fricomp.errors import SimulationFileError
 from fricomp.recording.named.column import simplify_joint
 from fricomp.recording.named.joint_name import count_from_one
+
+_MOST_STRANGERS, _LEAST_JOINTS = 2, 2
+"""Joints that a simulation may lack, and must have for that."""
 
 
 def parse_names(pairs: Sequence[str]) -> dict[str, str]:
@@ -53,6 +58,27 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
         return {name: str(there) for name, there in found.items()}
     taken = [there for name, there in found.items() if name not in {*missing, *twice}]
     raise SimulationFileError(_write_refusal([*missing, *twice], [one for one in simulated if one not in taken]))
+
+
+def find_strangers(recorded: Sequence[str], simulated: Sequence[str], given: Mapping[str, str]) -> tuple[str, ...]:
+    """Recorded joints that a simulation lacks, such as those of a gripper, where all of its own are recorded beside them.
+
+    None where fewer or other names could be them as well, or where more than two joints are too many.
+
+    Args:
+        recorded: As for `match_joints`.
+        simulated: As for `match_joints`.
+        given: As for `match_joints`; what it names is no stranger.
+    """
+    count = len(recorded) - len(simulated)
+    if not 0 < count <= _MOST_STRANGERS or len(simulated) < _LEAST_JOINTS:
+        return ()
+    found = []
+    for apart in combinations([name for name in recorded if name not in given], count):
+        with suppress(SimulationFileError):
+            match_joints([name for name in recorded if name not in apart], simulated, given)
+            found.append(apart)
+    return found[0] if len(found) == 1 else ()
 
 
 def _find(name: str, simulated: Sequence[str], prefixes: tuple[str, str]) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm.examination import match_recordings
-from fricomp.arm.rigid.naming import match_joints, parse_names
+from fricomp.arm.rigid.naming import find_strangers, match_joints, parse_names
 from fricomp.arm.rigid.regressor import compute_regressor
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import SimulationFileError
@@ -182,3 +182,33 @@ def test_a_recorded_gripper_that_stood_still_and_is_not_in_the_simulation_is_lef
     assert recording.still == ("wrist", "jaw")
     with pytest.raises(SimulationFileError, match="'jaw'"):
         match_recordings([*moving, still[0], record("jaw", 0.3 * np.sin(time))], simulation)
+
+
+@pytest.mark.parametrize(
+    ("recorded", "simulated", "strangers"),
+    [
+        ("a b gripper", "a b", ("gripper",)),
+        ("ur_a ur_b jaw", "a b", ("jaw",)),
+        ("a b c", "shoulder elbow", ()),
+        ("joint_0 joint_1 joint_2", "joint_1 joint_2", ()),
+        ("a b jaw", "a b grip", ()),
+        ("a b c d e", "a b", ()),
+    ],
+)
+def test_joints_are_strangers_where_all_of_the_simulation_are_recorded_beside_them(
+    recorded: str, simulated: str, strangers: tuple[str, ...]
+) -> None:
+    assert find_strangers(recorded.split(), simulated.split(), {}) == strangers
+
+
+def test_a_recorded_gripper_that_moved_and_is_not_in_the_simulation_is_left_out(tmp_path: Path) -> None:
+    simulation, time = write_urdf(tmp_path / "r.urdf"), np.arange(0.0, 12.0, 0.004)
+    names = ("arm_joint_1", "arm_joint_2", "finger_left", "finger_right", "lamp")
+    recordings = [
+        Recording(time=time, position=np.sin((1.0 + 0.1 * k) * time), torque=np.cos(time), metadata=metadata)
+        for k, metadata in enumerate(RecordingMetadata(joint=name) for name in names)
+    ]
+    arm, recording = match_recordings(recordings, simulation)
+    assert arm.joints == names[:-1]
+    assert recording.strangers == ("lamp",)
+    assert recording.still == ()
