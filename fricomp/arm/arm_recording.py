@@ -13,6 +13,7 @@ from fricomp.recording import Recording, RecordingMetadata
 from fricomp.recording.parts.holds import thin_held_rows
 
 from .instants import place_rows
+from .record import JointFrame
 
 _GAP_SAMPLES, _GAP_TIME = 5.0, 0.05
 """A pause of more samples than this, and longer than this [s], ends a part: a spline across it would be a guess."""
@@ -58,7 +59,9 @@ class ArmRecording:
         still: Joints that were recorded and stood still.
         strangers: Joints that were recorded and moved, and that the simulation does not have.
         held: Joints whose rows mostly repeat the one before, at which those rows were left out.
+        alike: Frames of joints that would explain as much as the mounting by which the simulation was corrected.
         turned: Joints whose torques were recorded the other way round; here they are turned.
+        degrees: Whether positions were degrees that had been taken for rad; here they are rad.
         placed: Whether positions and velocities said when rows were sampled, since stamps did not.
     """
 
@@ -69,7 +72,9 @@ class ArmRecording:
     still: tuple[str, ...] = ()
     strangers: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
+    alike: tuple[JointFrame, ...] = ()
     turned: tuple[str, ...] = ()
+    degrees: bool = False
     placed: bool = False
 
     @property

@@ -45,10 +45,10 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
     doubts = list_doubts(record)
-    framed = bool(record.better_frames or record.torque_scales)
+    framed = bool(_list_frames(record) or record.torque_scales)
     normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
     to_do = _REFRAME if framed else normal
-    lines = [opening, *(one for one in doubts if one != opening), to_do, *say_turned(record.turned_torques)]
+    lines = [opening, *(one for one in doubts if one != opening), *say_corrections(record), to_do]
     lines += say_shared_causes(record.joints)
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
@@ -65,7 +65,7 @@ def list_doubts(record: ArmRecord) -> tuple[str, ...]:
     Joints seem to have another unit, zero or direction than in the simulation: all else would follow from that.
     """
     lines = [_say_scales(record.torque_scales)] if record.torque_scales else []
-    lines += [_say_frames(record.better_frames)] if record.better_frames else []
+    lines += [_say_frames(_list_frames(record))] if _list_frames(record) else []
     return tuple(lines) or say_doubts(record.joints)
 
 
@@ -93,6 +93,11 @@ def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
             "little of each joint, as where one moves at a time."
         )
     return tuple(lines)
+
+
+def _list_frames(record: ArmRecord) -> tuple[JointFrame, ...]:
+    """Other zeros and directions that speak against an answer: another mounting has already done as much."""
+    return record.better_frames if record.gravity is None else ()
 
 
 def _say_scales(scales: Mapping[str, float]) -> str:
@@ -138,6 +143,16 @@ def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def say_corrections(record: ArmRecord) -> tuple[str, ...]:
+    """What was taken to be otherwise than log and simulation have it, before anything was fitted."""
+    degrees = "Positions were taken to be in degrees: only then does the simulation explain the torques."
+    return (
+        *((degrees,) if record.degrees else ()),
+        *say_gravity(record.gravity, record.better_frames),
+        *say_turned(record.turned_torques),
+    )
+
+
 def say_turned(joints: Sequence[str]) -> tuple[str, ...]:
     """Whose torques were turned round, if any, and what follows for whoever uses the files."""
     if not joints:
@@ -146,6 +161,24 @@ def say_turned(joints: Sequence[str]) -> tuple[str, ...]:
         f"The torque of {', '.join(joints)} was recorded with the opposite sign: positive torque accelerates towards "
         "positive position. It was turned round first; a drive that takes its torques as they were recorded needs the "
         "compensation with the opposite sign as well.",
+    )
+
+
+def say_gravity(gravity: Sequence[float] | None, frames: Sequence[JointFrame]) -> tuple[str, ...]:
+    """That gravity is another one than in the file, if it is, and what follows from that."""
+    if gravity is None:
+        return ()
+    if not any(gravity):
+        return (
+            "The torques have gravity taken off, as those of a controller that adds it by itself. So the simulation "
+            "was compared without it, arm.xml has none, and masses show by inertia alone: log whole torques if you "
+            "can.",
+        )
+    axes = ", ".join(f"{one:.3g}" for one in gravity)
+    alike = f" These torques would be the same with {'; '.join(map(_name_frame, frames))}." if frames else ""
+    return (
+        f"The arm is mounted otherwise than in the simulation: by the torques, gravity is ({axes}) m/s² in its axes. "
+        f"It was taken so, and arm.xml has it so.{alike}",
     )
 
 

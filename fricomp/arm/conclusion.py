@@ -13,7 +13,7 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import list_doubts, say_shared_causes, say_tilt, say_turned, say_what, write_summary
+from .brief import list_doubts, say_corrections, say_shared_causes, say_tilt, say_what, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
@@ -60,6 +60,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         delay=_quantity(delay.value, delay.deviation, "s"),
         gain=_quantity(gain, gain_spread, "1") if found.fit.model.gain else None,
         tilt=_describe_tilt(found.fit) if found.fit.model.tilted else None,
+        gravity=tuple(map(float, arm.gravity)) if arm.remounted else None,
         cutoff=found.rows.cutoff,
         duration=found.recording.duration,
         left_out=found.recording.left_out,
@@ -68,7 +69,8 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         unknown_joints=found.recording.strangers,
         one_way=found.recording.one_way,
         turned_torques=found.recording.turned,
-        better_frames=find_better_frames(arm, found.recording),
+        degrees=found.recording.degrees,
+        better_frames=found.recording.alike if arm.remounted else find_better_frames(arm, found.recording),
         torque_scales=find_torque_scales(arm, found.recording),
     )
     held = found.recording.held
@@ -238,7 +240,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     return (
         opening,
         *(one for one in doubts if one != opening),
-        *say_turned(record.turned_torques),
+        *say_corrections(record),
         *say_shared_causes(record.joints),
         *(_say_joint(joint) for joint in record.joints),
         *(_say_link(link) for link in record.links if link.state == "off"),
@@ -338,10 +340,8 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
             "the one that carries them."
         )
     if record.unknown_joints:
-        lines.append(
-            f"Recorded, but not in the simulation, so that they were left out: {', '.join(record.unknown_joints)}. What "
-            "they move counts with the link that carries it, as if it stood still."
-        )
+        names = ", ".join(record.unknown_joints)
+        lines.append(f"Left out, since the simulation lacks them: {names}. What they move counts as if it stood still.")
     if record.held_joints:
         lines.append(
             f"Held where the simulation has them, since nothing was recorded: {', '.join(record.held_joints)}."

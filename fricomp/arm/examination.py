@@ -23,7 +23,9 @@ from .prior import ArmPrior
 from .record import ArmRecord
 from .rigid.naming import find_strangers
 from .rigid.simulated_arm import SimulatedArm, read_arm
+from .search.degrees import are_degrees, take_radians
 from .search.frames import find_turned_torques, turn_torque
+from .search.mounting import find_mounting
 
 _LEAST_TRAVEL, _LEAST_SHARE = 5e-3, 0.02
 """[rad] or [m], and part of the longest travel of any joint, below which a joint stands still: it sways in its gear or
@@ -127,31 +129,40 @@ def match_recordings(
         recorded, torques = [recorded[i] for i in arm.order], [torques[i] for i in arm.order]
         arm = read_arm(simulation, recorded, names)
     matched = [_name_as_simulated(*one) for one in zip(torques, arm.joints, arm.rotary, strict=True)]
+    degrees = are_degrees(arm, matched)
+    matched = take_radians(arm, matched) if degrees else matched
     still = _find_still(matched)
     if not still:
-        return arm, _join_rightly(arm, matched)
+        arm, joined = _join_rightly(arm, matched)
+        return arm, replace(joined, degrees=degrees)
     moving = [one for one in matched if one.metadata.joint not in still]
     if not moving:
         raise RecordingError(f"none of {', '.join(still)} moves further than it sways: move the arm")
     held = read_arm(simulation, [one.metadata.joint for one in moving], still=still)
-    return held, replace(_join_rightly(held, moving), still=tuple(still))
+    held, joined = _join_rightly(held, moving)
+    return held, replace(joined, still=tuple(still), degrees=degrees)
 
 
-def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> ArmRecording:
-    """All joints on one clock, with torques that accelerate towards positive position."""
+def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> tuple[SimulatedArm, ArmRecording]:
+    """All joints on one clock, with torques that accelerate towards positive position, and the arm as it is mounted."""
     joined = join_joints(recordings)
+    mounting = find_mounting(arm, joined)
+    if mounting is not None:
+        arm, joined = arm.with_gravity(mounting.gravity), replace(joined, alike=mounting.frames)
     turned = find_turned_torques(arm, joined)
     if not turned:
-        return joined
+        return arm, joined
     rightly = [turn_torque(one) if one.metadata.joint in turned else one for one in recordings]
-    return replace(join_joints(rightly), turned=turned)
+    return arm, replace(join_joints(rightly), turned=turned, alike=joined.alike)
 
 
 def _read_recorded(
     simulation: str | Path, recordings: Sequence[Recording], names: Mapping[str, str] | None
 ) -> tuple[SimulatedArm, tuple[str, ...]]:
-    """The arm with these joints, and names of recorded ones that it lacks, such as a gripper's: they stood still, or all
-    of its own were recorded beside them."""
+    """The arm with these joints, and names of recorded ones that it lacks, such as a gripper's.
+
+    They stood still, or all of its own were recorded beside them.
+    """
     recorded = [one.metadata.joint for one in recordings]
 
     def read(left_out: Collection[str]) -> SimulatedArm:

@@ -167,6 +167,8 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         delay: By which all torques are later than the positions.
         tilt: How far gravity leans over along the level axes of the simulation, by their names, as it does where the
             base is not level; None where nothing asks for it. arm.xml has it in its gravity.
+        gravity: What the torques ask for in the axes of the simulation [m/s²], where the arm is mounted otherwise than
+            there, or zero where gravity was taken off the torques; None where the file's is right. arm.xml has it.
         gain: Factor that all torques were measured with; None where nothing asks for one.
         cutoff: Highest frequency that was compared [Hz].
         duration: Time that was used [s].
@@ -176,7 +178,9 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
         unknown_joints: Joints that were recorded and moved, and that the simulation does not have: they were left out.
         turned_torques: Joints whose torques were recorded with the opposite sign, and were turned round.
-        better_frames: Joints whose zero or direction seems to be another one than in the simulation.
+        degrees: Whether positions were degrees, though nothing in the log said so.
+        better_frames: Joints whose zero or direction seems to be another one than in the simulation; beside another
+            `gravity`, what would explain as much in its place.
         torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
             unit, such as that of its motor.
         one_way: Joints that hardly went back, whose friction is not told from a constant torque.
@@ -196,8 +200,10 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     still_joints: tuple[str, ...] = ()
     unknown_joints: tuple[str, ...] = ()
     tilt: dict[str, Quantity] | None = None
+    gravity: tuple[float, float, float] | None = None
     one_way: tuple[str, ...] = ()
     turned_torques: tuple[str, ...] = ()
+    degrees: bool = False
     better_frames: tuple[JointFrame, ...] = ()
     torque_scales: dict[str, float] = {}
 

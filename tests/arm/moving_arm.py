@@ -64,10 +64,11 @@ def record_arm(
     delay: float = 0.0,
     bend: Bend | None = None,
     joints: Sequence[str] = JOINTS,
+    size: float = 1.0,
 ) -> list[Recording]:
     """Recordings of all joints on a Fourier motion, with encoders of 17 bits and noise of the torque [N·m]."""
     rng, time = np.random.default_rng(seed), np.arange(0.0, duration, 1.0 / rate)
-    q, v, a = _move(rng, time)
+    q, v, a = (size * one for one in _move(rng, time))
     rigid = _invert(mujoco.MjModel.from_xml_path(str(simulation)), q, v, a)
     recordings = []
     for j, name in enumerate(joints):

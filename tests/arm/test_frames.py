@@ -70,3 +70,23 @@ def test_a_torque_in_another_unit_is_told(factor: float, tmp_path: Path) -> None
 def test_links_that_are_guessed_are_no_other_unit(tmp_path: Path) -> None:
     recordings = record_arm(write_arm(tmp_path), duration=10.0, rate=100.0)
     assert find_torque_scales(*match_recordings(recordings, write_arm(tmp_path, (1.5, 1.5, 1.5)))) == {}
+
+
+@pytest.mark.parametrize("velocity", [None, 1.0, np.pi / 180.0])
+def test_positions_in_degrees_are_taken_so(velocity: float | None, tmp_path: Path) -> None:
+    """And velocities with them where they are degrees as well."""
+    recordings = record_arm(write_arm(tmp_path), duration=10.0, rate=100.0)
+    read = [one.with_channels(position=np.rad2deg(one.position)) for one in recordings]
+    if velocity is not None:
+        read = [one.with_channels(velocity=velocity * np.gradient(one.position, one.time)) for one in read]
+    _, found = match_recordings(read, write_arm(tmp_path, (4.4, 2.2, 1.5)))
+    assert found.degrees
+    for one, before in zip(found.recordings, recordings, strict=True):
+        assert one.position == pytest.approx(before.position)
+        assert one.velocity is None or one.velocity == pytest.approx(np.gradient(before.position, one.time), abs=1e-6)
+
+
+def test_joints_that_turn_round_and_round_are_in_radians(tmp_path: Path) -> None:
+    recordings = record_arm(write_arm(tmp_path), duration=10.0, rate=100.0, size=4.0)
+    assert max(np.ptp(one.position) for one in recordings) > 2.0 * np.pi
+    assert not match_recordings(recordings, write_arm(tmp_path, (4.4, 2.2, 1.5)))[1].degrees

@@ -61,7 +61,7 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
 
 
 def find_strangers(recorded: Sequence[str], simulated: Sequence[str], given: Mapping[str, str]) -> tuple[str, ...]:
-    """Recorded joints that a simulation lacks, such as those of a gripper, where all of its own are recorded beside them.
+    """Recorded joints that a simulation lacks, such as those of a gripper, where all of its own are recorded too.
 
     None where fewer or other names could be them as well, or where more than two joints are too many.
 

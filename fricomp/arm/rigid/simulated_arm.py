@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -69,6 +70,7 @@ class SimulatedArm:
         rotary: Whether each joint turns.
         held: Names of the joints that nothing was recorded of: they stay where the simulation has them.
         followers: Joints that move with a recorded one.
+        remounted: Whether gravity is another one than in the file.
         carried: As `inertia`, of the bodies alone that are fixed to a link or held on it. Shape (n_links, 10).
     """
 
@@ -83,6 +85,7 @@ class SimulatedArm:
     _model: Any
     _bodies: tuple[int, ...]
     _pose: FloatArray
+    remounted: bool = False
 
     def follow(self, position: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> list[LinkMotion]:
         """Move the links as the joints moved.
@@ -124,6 +127,12 @@ class SimulatedArm:
                 )
             )
         return links
+
+    def with_gravity(self, gravity: FloatArray) -> SimulatedArm:
+        """The same arm, mounted so that gravity is another [m/s²]. Shape (3,)."""
+        model = copy(self._model)
+        model.opt.gravity[:] = gravity
+        return replace(self, _model=model, remounted=True)
 
     @cached_property
     def link_coordinates(self) -> tuple[LinkCoordinates, ...]:

@@ -9,7 +9,7 @@ up, is no physics, and links would be fitted to it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -103,6 +103,13 @@ def find_better_frames(arm: SimulatedArm, recording: ArmRecording) -> tuple[Join
         found[j], recording = frame, _place(recording, j, frame)
         left, poor = _measure_joints(arm, recording)
     return tuple(found[j] for j in sorted(found))
+
+
+def measure_frames(arm: SimulatedArm, recording: ArmRecording, frames: Sequence[JointFrame] = ()) -> float:
+    """Sum over all joints of the logarithm of what the simulation leaves of them, some of them in other frames."""
+    for frame in frames:
+        recording = _place(recording, arm.joints.index(frame.joint), frame)
+    return float(np.sum(np.log(_measure_joints(arm, recording)[0])))
 
 
 def _list_frames(arm: SimulatedArm) -> Iterator[tuple[int, JointFrame]]:
