@@ -60,7 +60,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         delay=_quantity(delay.value, delay.deviation, "s"),
         gain=_quantity(gain, gain_spread, "1") if found.fit.model.gain else None,
         tilt=_describe_tilt(found.fit) if found.fit.model.tilted else None,
-        gravity=tuple(map(float, arm.gravity)) if arm.remounted else None,
+        gravity=arm.other_gravity,
         cutoff=found.rows.cutoff,
         duration=found.recording.duration,
         left_out=found.recording.left_out,

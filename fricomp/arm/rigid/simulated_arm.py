@@ -145,6 +145,12 @@ class SimulatedArm:
         return np.array(self._model.opt.gravity, dtype=np.float64)
 
     @property
+    def other_gravity(self) -> tuple[float, float, float] | None:
+        """The same where it is another one than in the file."""
+        x, y, z = self.gravity.tolist()
+        return (x, y, z) if self.remounted else None
+
+    @property
     def level_axes(self) -> dict[str, FloatArray]:
         """The two axes of the world that lie most level, by their names, as directions at right angles to gravity."""
         down = self.gravity / max(float(np.linalg.norm(self.gravity)), 1e-12)

@@ -41,7 +41,7 @@ def are_degrees(arm: SimulatedArm, recordings: Sequence[Recording]) -> bool:
         )
     except RecordingError:  # too short, which is told where they are joined
         return False
-    return in_degrees - as_read < np.log(_FALL)
+    return bool(in_degrees - as_read < np.log(_FALL))
 
 
 def take_radians(arm: SimulatedArm, recordings: Sequence[Recording]) -> list[Recording]:

@@ -157,4 +157,4 @@ def _measure_left(pulls: FloatArray, torques: FloatArray, factors: FloatArray) -
 
 def _falls(left: FloatArray, before: FloatArray) -> bool:
     """Whether so little is left, over all joints, that links that are off could not be why."""
-    return float(np.sum(np.log(left / before))) < np.log(_FALL)
+    return bool(np.sum(np.log(left / before)) < np.log(_FALL))
