@@ -76,12 +76,14 @@ _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
-    r"(?<![A-Za-zА-я])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|u/min"
+    r"(?<![A-Za-zА-я])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
     r"|turns/s|turns|rev/s|rev|mnm|ncm|cnm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv|e?rpm"
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )
+_INVERSE = re.compile(r"^(?:(rad|deg|mm|cm|m|rev|r|u)[\s·.*]?)?(s|min)(?:\^?-|⁻)([12¹²])$")
+"""Units as powers: `min-1`, `rad s^-1`, `m·s⁻²`."""
 _AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
 _AS_SECOND = {"deg": "deg/s^2", "mm": "mm/s^2", "m": "m/s^2", "rad": "rad/s^2"}
 """What the unit of a way means beside the word of a rate: `speed_deg`."""
@@ -167,4 +169,5 @@ def _spell(text: str, *, bare: bool = False) -> str:
     text = re.sub(r"\bsec\b", "s", text).replace("²", "^2").replace("**2", "^2")
     if bare:
         text = re.sub(r"^(rad|deg|mm|m)_s$", r"\1/s", text)
+    text = _INVERSE.sub(lambda found: f"{found[1] or '1'}/{found[2]}{'^2' if found[3] in '2²' else ''}", text)
     return re.sub(r"\s*[*.\-⋅×_·]\s*|\s+(?=\w)", "·", text).replace(" ", "")

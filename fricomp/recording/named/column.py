@@ -15,10 +15,21 @@ _WANTED: tuple[str, ...] = (
     *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
     *("заданный", "заданная", "заданное", "задание", "уставка"),
 )
-_MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
+_MEASURED = {
+    "measured": 2,
+    "meas": 2,
+    "actual": 2,
+    "act": 2,
+    "active": 0,
+    "msr": 2,
+    "feedback": 1,
+    "fb": 1,
+    "state": 1,
+    "states": 1,
+}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
-_MEASURED |= {"filtered": 0, "filt": 0, "in": 0, "ang": 0, "angular": 0}
+_MEASURED |= {"filtered": 0, "filt": 0, "active": 0, "in": 0, "ang": 0, "angular": 0}
 _MEASURED |= {"измеренный": 2, "измеренная": 2, "измеренное": 2, "фактический": 2, "факт": 2, "угловая": 0, "실제": 2}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
 as well. `tau_J` is a Franka's."""
@@ -185,6 +196,8 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
     word = words[k][0]
     if word == "id" and k + 1 < len(words) and words[k + 1][0].isdigit():
         return "number"  # of the motor, as a bus calls it
+    if _is_q_axis(k, words) or (word == "axis" and k and _is_q_axis(k - 1, words)):
+        return "number"
     if word in (*_NO_CHANNEL, *_SWITCHES):
         return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
@@ -198,6 +211,12 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
     if quantity == "torque" and word in (*_SENSOR, *_OUTSIDE):
         return "sensor" if word in _SENSOR else "outside"
     return "raw" if word in (*_RAW, *_ENCODER) and not has_unit else ""
+
+
+def _is_q_axis(k: int, words: list[tuple[str, tuple[int, int]]]) -> bool:
+    """Whether a word begins `Q axis`, that of the current which makes the torque, beside another quantity."""
+    is_said = words[k][0] == "q" and k + 1 < len(words) and words[k + 1][0] == "axis"
+    return is_said and any(word in WORDS and word != "q" for word, _ in words)
 
 
 def _stands_in_path(name: str, span: tuple[int, int]) -> bool:
@@ -220,7 +239,7 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
         return None
     if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name
         return next(k for k, (word, _) in enumerate(words) if word == "i"), "current"
-    known = [k for k, (word, _) in enumerate(words) if word in WORDS]
+    known = [k for k, (word, _) in enumerate(words) if word in WORDS and not _is_q_axis(k, words)]
     if known:
         return known[-1], WORDS[words[known[-1]][0]]
     counted = [k for k, (word, _) in enumerate(words) if word in _ENCODER]

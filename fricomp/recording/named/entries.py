@@ -13,6 +13,8 @@ from fricomp.recording.validity import Samples
 
 from .column import REPEATED, read_column_name
 
+_NUMBERED = re.compile(r"(.+?)[:.\[]?(\d+)\]?")
+"""What stands in a list, and where: `position:1`, `effort[0]`, `field.name0`."""
 _LISTED_NAME = re.compile(r"[^\s,;'\"\[\]()]+")
 
 
@@ -31,23 +33,51 @@ def drop_numbered_twins(columns: dict[str, Samples]) -> dict[str, Samples]:
 
 
 def name_listed(columns: dict[str, Samples], words: Mapping[str, list[str]]) -> dict[str, Samples]:
-    """The columns of lists by the names that a cell beside them lists, in whatever order: `['elbow', 'wrist']`."""
+    """The columns of lists by the names that stand beside them, in whatever order from row to row.
+
+    The names are those of one cell, `['elbow', 'wrist']` beside `position:1`, or of as many cells as there are entries,
+    `name[0]` beside `position[0]`.
+    """
     listed = [cells for name, cells in words.items() if name.lower() in NAMES_OF_ENTRIES and cells[0][:1] in ("[", "(")]
-    if not listed:
+    if listed:
+        orders = {cell: tuple(_LISTED_NAME.findall(cell)) for cell in dict.fromkeys(listed[0])}
+        return _name_entries(columns, [orders[cell] for cell in listed[0]])
+    numbered = [(match, cells) for name, cells in words.items() if (match := _NUMBERED.fullmatch(name))]
+    named = [(match, cells) for match, cells in numbered if match[1].rpartition(".")[2].lower() in NAMES_OF_ENTRIES]
+    if not named:
         return columns
-    cells, named = listed[0], dict(columns)
-    orders = {cell: _LISTED_NAME.findall(cell) for cell in dict.fromkeys(cells)}
-    entries = list(dict.fromkeys(entry for order in orders.values() for entry in order))
-    if any(sorted(order) != sorted(entries) for order in orders.values()):
+    return _name_entries(columns, list(zip(*(cells for _, cells in named), strict=True)), [one[2] for one, _ in named])
+
+
+def _name_entries(
+    columns: dict[str, Samples], rows: Sequence[tuple[str, ...]], numbers: Sequence[str] = ()
+) -> dict[str, Samples]:
+    """The columns with those of lists called by the names of their entries, where these are the same in all rows.
+
+    Args:
+        columns: By name; shape (n_rows,) each.
+        rows: Names of the entries in each row.
+        numbers: Of the entries, as the names of their columns state them; empty where they count from 1.
+    """
+    entries = rows[0]
+    orders = set(rows)
+    if any(sorted(order) != sorted(set(entries)) for order in orders):
         return columns
-    for base in dict.fromkeys(name.rpartition(":")[0] for name in columns):
-        each = [one for one in columns if re.fullmatch(rf"{re.escape(base)}:\d+", one)]
-        if base and base not in words and len(each) == len(entries):
-            table = np.stack([columns[one] for one in each], axis=1)
-            for entry in entries:
-                places = [orders[cell].index(entry) for cell in cells]
-                named[f"{entry}.{base}"] = table[np.arange(len(cells)), places]
-    return drop_numbered_twins(named)
+    numbers = numbers or [str(k) for k in range(1, len(entries) + 1)]
+    matches = {name: match for name in columns if (match := _NUMBERED.fullmatch(name))}
+    named = dict(columns)
+    for base in dict.fromkeys(match[1] for match in matches.values()):
+        each = {match[2]: name for name, match in matches.items() if match[1] == base}
+        if list(each) != list(numbers):
+            continue
+        table = np.stack([columns[name] for name in each.values()], axis=1)
+        for entry in entries:
+            places = {order: order.index(entry) for order in orders}
+            chosen = table[np.arange(len(rows)), [places[order] for order in rows]]
+            named[f"{entry}.{base.rpartition('.')[2]}"] = chosen
+        for name in each.values():
+            del named[name]
+    return named
 
 
 def number_repeated(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -190,7 +190,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
     """Columns of a text table with a line of names; a cell such as `[0.1, 0.2]` is several."""
     fast = _read_large_text(path)
     if fast is not None:
-        return fast
+        return separate_long_rows(fast, {})
     lines = read_lines(path)
     layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
     if not layout.names:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +13,24 @@ from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning
 
-_TURNS = re.compile(
-    r"(^|[./])(servo_stats\.position|servo_stats\.abs_position|encoder\.pos_estimate|pos_vel_mapper\.pos_(rel|abs))$"
+_TURNS = re.compile(r"(^|[./])servo_stats\.(abs_)?position$")
+"""Of moteus (its `servo_stats`): positions in turns."""
+_TURNS_A_SECOND = re.compile(r"(^|[./])servo_stats\.velocity$")
+
+_ODRIVE = re.compile(
+    r"axis\d[._](.*[._])?pos_(estimate|rel|abs)$|encoder\.pos_estimate$|pos_vel_mapper\.pos|(^|[._])Iq_measured$"
 )
-"""Of moteus (its `servo_stats`) and of ODrive from firmware 0.5 on: positions in turns."""
-_TURNS_A_SECOND = re.compile(r"(^|[./])(servo_stats\.velocity|encoder\.vel_estimate|pos_vel_mapper\.vel)$")
+"""A column that ODrive alone has: its positions below an axis, from firmware 0.5 on, or its measured current."""
+_OF_ODRIVE = {
+    **dict.fromkeys(("pos_estimate", "pos_rel", "pos_abs"), ("position", "turns")),
+    **dict.fromkeys(("vel_estimate", "pos_vel_mapper.vel"), ("velocity", "turns/s")),
+    **dict.fromkeys(("input_pos", "pos_setpoint"), ("position_reference", "turns")),
+    **dict.fromkeys(("input_vel", "vel_setpoint"), ("velocity_reference", "turns/s")),
+    **dict.fromkeys(("input_torque", "torque_setpoint"), ("torque_command", "")),
+    "Iq_measured": ("current", "A"),
+    "torque_estimate": ("torque", ""),
+}
+"""Channel and unit of what the last words of its columns say."""
 
 _LOOP = re.compile(r"(?:^|[./ ])([PVI])L\.(FB|CMD)(?![A-Za-z0-9])")
 """Of Kollmorgen's drives: position, velocity and current loop, what comes back and what is asked for."""
@@ -74,7 +87,16 @@ def read_vendor_name(name: str, beside: Mapping[str, Samples]) -> ColumnMeaning 
     actuator = _ACTUATOR.search(name)
     if actuator:
         return ColumnMeaning("torque", actuator.group(1), 1, "")
-    return None
+    return _read_odrive_name(name, beside)
+
+
+def _read_odrive_name(name: str, beside: Iterable[str]) -> ColumnMeaning | None:
+    said = next((one for one in _OF_ODRIVE if re.search(rf"(^|[./_]){re.escape(one)}$", name)), None)
+    if said is None or not any(_ODRIVE.search(one) for one in beside):
+        return None
+    channel, unit = _OF_ODRIVE[said]
+    axis = re.search(r"axis\d+", name)
+    return ColumnMeaning(channel, axis.group() if axis else "", 2, unit)
 
 
 def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> ColumnMeaning:

@@ -18,6 +18,9 @@ Columns = dict[Column, NDArray[np.float64]]
 _MOST_CHANNELS, _LONGER = 64, 20
 """Rows of a matrix that stands alone, up to which they are channels, and how many times longer they are then."""
 
+_SIGNAL_VALUES, _SIGNAL_LABELS = ("values", "Data", "data"), ("label", "Name", "name")
+"""Keys of what a signal consists of, in Simulink and in ControlDesk."""
+
 
 class Contents(NamedTuple):
     """What a file holds.
@@ -88,24 +91,45 @@ def _stand_rows(array: NDArray[np.float64], lengths: Collection[int]) -> NDArray
 
 
 def flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """The entries of nested structures, named with dots; signals of Simulink by their label, else by their number."""
+    """The entries of nested structures, named with dots; signals by their label, else by their number.
+
+    Signals are structures of values with a label: of Simulink, and `Y` beside the time `X` of dSPACE's ControlDesk.
+    """
     flat: dict[str, Any] = {}
     for name, value in content.items():
-        if isinstance(value, dict):
+        if name == "X" and _is_signal(value) and "Y" in content:
+            flat[f"{prefix}time"] = _read_signal(value)[1]
+        elif _is_signal(value) and _read_signal(value)[0]:
+            flat[f"{prefix}{name}.{_read_signal(value)[0]}"] = _read_signal(value)[1]
+        elif isinstance(value, dict):
             flat.update(flatten_structures(value, f"{prefix}{name}."))
         elif _are_signals(value):
-            for number, signal in enumerate(value, start=1):
-                label = signal.get("label")  # of a signal without a name an array of nothing
-                flat[f"{prefix}{name}.{label if isinstance(label, str) and label else number}"] = signal["values"]
+            for number, (label, values) in enumerate(map(_read_signal, value), start=1):
+                flat[f"{prefix}{name}.{label or number}"] = values
         else:
             flat[f"{prefix}{name}"] = value
     return flat
 
 
 def _are_signals(value: Any) -> bool:
-    """Whether a value is what Simulink writes of several signals: structures with a label and values."""
+    """Whether a value holds several signals."""
     some = isinstance(value, list | tuple | np.ndarray) and len(value) > 0
-    return some and all(isinstance(one, dict) and "values" in one for one in value)
+    return some and all(map(_is_signal, value))
+
+
+def _is_signal(value: Any) -> bool:
+    """Whether a value is a structure with values, and with no time of its own."""
+    if not isinstance(value, dict) or {"Time", "time"} & value.keys():
+        return False
+    return any(isinstance(value.get(key), list | np.ndarray) for key in _SIGNAL_VALUES)
+
+
+def _read_signal(signal: Mapping[str, Any]) -> tuple[str, Any]:
+    """Label and values of a signal; the label, with its unit in brackets, is empty where it has none."""
+    label = next((signal[key] for key in _SIGNAL_LABELS if isinstance(signal.get(key), str)), "")
+    unit = next((signal[key] for key in ("Unit", "unit") if isinstance(signal.get(key), str)), "")
+    values = next(signal[key] for key in _SIGNAL_VALUES if isinstance(signal.get(key), list | np.ndarray))
+    return f"{label} [{unit}]" if label and unit and "[" not in label else label, values
 
 
 def columns_of_records(records: Iterable[Any]) -> Columns:
