@@ -82,6 +82,8 @@ _BARE = re.compile(
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )
+_REGISTER = re.compile(r"0x[0-9A-Fa-f]+")
+"""Address of a register, whose last letter is no unit: `0x606C`."""
 _INVERSE = re.compile(r"^(?:(rad|deg|mm|cm|m|rev|r|u)[\s·.*]?)?(s|min)(?:\^?-|⁻)([12¹²])$")
 """Units as powers: `min-1`, `rad s^-1`, `m·s⁻²`."""
 _AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
@@ -120,6 +122,7 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
             found.append(UnitWord(unit, match.span(), match.group(1)))
     if found:
         return found
+    name = _REGISTER.sub(lambda number: " " * len(number.group()), name)
     bare = (match for match in _BARE.finditer(name) if match.start() > begin)
     return [
         UnitWord(_NAMES[_spell(one.group(), bare=True)], one.span(), one.group())

@@ -87,9 +87,13 @@ def find_gaps(recording: Recording) -> tuple[Finding, ...]:
 
 
 def find_jitter(recording: Recording) -> tuple[Finding, ...]:
-    """Uneven steps; filters and differences that assume a fixed period go wrong."""
+    """Uneven steps; filters and differences that assume a fixed period go wrong.
+
+    Steps of several periods are rows that are missing, which is no unevenness.
+    """
     period = recording.sample_period
-    deviation = np.abs(np.diff(recording.time) - period) / period
+    periods = np.diff(recording.time) / period
+    deviation = np.abs(periods - np.maximum(np.round(periods), 1.0))
     jitter = float(np.percentile(deviation, 99))
     if jitter <= _JITTER_NOTED:
         return ()

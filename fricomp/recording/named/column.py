@@ -85,6 +85,8 @@ _RAW += ("percent", "pct", "pwm", "duty", "permille")
 """Words of columns in units of a device or in parts of a rating, which no name says the size of."""
 _ENCODER = ("encoder", "enc", "ticks", "counts")
 """Words of a position, where no other word is a quantity."""
+_CURRENTS = ("cur",)
+"""Words of a current, where no other word is a quantity: `pos_cur` is the position now."""
 RAW_UNIT = "counts"
 REPEATED = "#"
 """Before the number of a column that shares its name with others, of which it is not known which is meant."""
@@ -242,8 +244,11 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
     known = [k for k, (word, _) in enumerate(words) if word in WORDS and not _is_q_axis(k, words)]
     if known:
         return known[-1], WORDS[words[known[-1]][0]]
-    counted = [k for k, (word, _) in enumerate(words) if word in _ENCODER]
-    return (counted[0], "position") if counted else None
+    for short, quantity in ((_ENCODER, "position"), (_CURRENTS, "current")):
+        counted = [k for k, (word, _) in enumerate(words) if word in short]
+        if counted:
+            return counted[0], quantity
+    return None
 
 
 def _cut_out(name: str, spans: list[tuple[int, int]]) -> str:

@@ -52,6 +52,11 @@ _LEAST_WILD = 0.03
 _MOST_WILD = 0.1
 """Part of the rows above which the torque is what was recorded."""
 
+_LONGEST_FAILURE = 5
+"""Rows in which readings fail in turn."""
+_MOST_FAILED = 0.2
+"""Part of the rows above which a torque of 0 is what was recorded."""
+
 
 class Wrap(NamedTuple):
     """A counter that was unwrapped.
@@ -148,6 +153,11 @@ def find_wild_torque(recording: Recording) -> Rows:
     A torque that jumps often, such as one that a loop commands against a coarse encoder, has no outliers. One that the
     joint answers was there.
     """
+    failed = _find_failed_readings(np.asarray(recording.torque))
+    if failed.any():
+        rest = np.flatnonzero(~failed)
+        failed[rest] = find_wild_torque(recording.rows(rest))
+        return failed
     torque = np.asarray(recording.torque)
     if torque.size < _FEWEST_TORQUES:
         return np.zeros(torque.size, dtype=bool)
@@ -167,6 +177,27 @@ def find_wild_torque(recording: Recording) -> Rows:
     rest = np.flatnonzero(~wild)  # others may have stood beside them
     wild[rest] = find_wild_torque(recording.rows(rest))
     return wild
+
+
+def _find_failed_readings(torque: Samples) -> Rows:
+    """Rows in which a reading failed and 0 was logged: a few at a time, to and from which the torque leaps.
+
+    A torque that passes zero, or rests there, does so in small steps. Shape (n_samples,).
+    """
+    zero = np.asarray(torque == 0.0)
+    nothing = np.zeros(torque.size, dtype=bool)
+    if not _FEWEST_REPEATS <= np.count_nonzero(zero) <= _MOST_FAILED * torque.size:
+        return nothing
+    edges = np.flatnonzero(np.diff(zero, prepend=False, append=False))
+    runs = [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a <= _LONGEST_FAILURE]
+    usual = float(np.quantile(np.abs(np.diff(torque[~zero])), _USUAL_TORQUES))
+    sizes = np.pad(np.abs(torque), 1, constant_values=np.inf)
+    leaps = [min(sizes[a], sizes[b + 1]) > _LEAP * usual for a, b in runs]
+    if np.sum(leaps) < max(_FEWEST_REPEATS, _ALIKE * len(runs)):
+        return nothing
+    for a, b in runs:
+        nothing[a:b] = True
+    return nothing
 
 
 def _chain(recording: Recording, jumps: NDArray[np.intp], around: Samples) -> Rows:

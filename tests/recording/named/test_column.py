@@ -30,6 +30,14 @@ from fricomp.recording.named.column import read_column_name, read_column_unit, s
         ("A1_torque_A", "torque", "A1", "A"),
         ("panda_finger_joint1.position", "position", "panda_finger_joint1", ""),
         ("drive_status.position", "position", "drive", ""),
+        ("Drehzahl in min-1", "velocity", "", "rpm"),
+        ("speed [min⁻¹]", "velocity", "", "rpm"),
+        ("qdd_2 (rad s^-2)", "acceleration", "2", ""),
+        ("carriage speed [mm·s-1]", "velocity", "carriage", "mm/s"),
+        ("Actual Current, Q axis [mA]", "current", "", "mA"),
+        ("q_axis_2", "position", "axis_2", ""),
+        ("motor_cur_mA", "current", "motor", "mA"),
+        ("pos_cur", "position", "cur", ""),
     ],
 )
 def test_a_name_says_quantity_joint_and_unit(name: str, channel: str, joint: str, unit: str) -> None:

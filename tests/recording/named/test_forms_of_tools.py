@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from fricomp.errors import RecordingError
 from fricomp.recording.file import read_content
@@ -137,11 +138,33 @@ def write_registers(folder: Path) -> Path:
     return write(folder / "moteus.jsonl", rows)
 
 
+def write_odrive(folder: Path) -> Path:
+    names = "time,axis0.pos_estimate,axis0.motor.torque_estimate,axis0.controller.input_pos,axis0.motor.foc.Iq_measured"
+    return write(
+        folder / "odrive.csv", [names, *fill("{t:.6f},{q:.9f},{u:.9f},0.25,{u:.6f}", POSITION / (2.0 * np.pi))]
+    )
+
+
+def write_odrive_alone(folder: Path) -> Path:
+    rows = fill("{t:.6f},{q:.9f},0.0,{u:.9f}", POSITION / (2.0 * np.pi))
+    return write(folder / "odrive.csv", ["time,pos_estimate,vel_estimate,Iq_measured", *rows])
+
+
+def write_control_desk(folder: Path) -> Path:
+    signals = [
+        {"Name": '"Model Root"/Joint/phi', "Data": DEGREES, "Unit": "deg"},
+        {"Name": '"Model Root"/Drive/M_ist [Nm]', "Data": TORQUE, "Unit": ""},
+    ]
+    capture = {"X": {"Name": "", "Data": TIME, "Unit": "s"}, "Y": np.array(signals, dtype=object)}
+    savemat(folder / "rec1_001.mat", {"rec1_001": capture})
+    return folder / "rec1_001.mat"
+
+
 FORMS: list[Write] = [
     *(write_duration_of_controllers, write_duration_of_matlab, write_units_in_cells, write_minutes, write_three_lines),
     *(write_number_name_remark_unit, write_data_inspector, write_scope_with_units, write_cyrillic, write_chinese),
     *(write_traditional, write_korean, write_symbols, write_index, write_serial_monitor, write_messages, write_metrics),
-    write_registers,
+    *(write_registers, write_odrive, write_odrive_alone, write_control_desk),
 ]
 
 

@@ -84,11 +84,27 @@ def write_echoed_rows(folder: Path) -> Path:
     return folder / "echo.csv"
 
 
+def write_names_in_cells(folder: Path, head: str, *, turned: bool) -> Path:
+    names = [head.format(what, k) for what in ("name", "position", "effort") for k in range(3)]
+    lists = ([*one["name"], *one["position"], *one["effort"]] for one in list_records(turned=turned))  # type: ignore[misc]
+    rows = [",".join(map(str, [f"{t:.3f}", *cells])) for t, cells in zip(TIME, lists, strict=True)]
+    (folder / "log.csv").write_text("\n".join([",".join(["%time_s", *names]), *rows]) + "\n", encoding="utf-8")
+    return folder / "log.csv"
+
+
+def write_exported_panel(folder: Path) -> Path:
+    return write_names_in_cells(folder, "{}[{}]", turned=True)
+
+
+def write_plot_of_topic(folder: Path) -> Path:
+    return write_names_in_cells(folder, "field.{}{}", turned=False)
+
+
 @pytest.mark.parametrize(
     "write_log",
     [
         write_json, write_parquet, write_document, write_split_frame, write_lists_in_cells, write_archive, write_matlab,
-        write_echoed_rows,
+        write_echoed_rows, write_exported_panel, write_plot_of_topic,
     ],
 )  # fmt: skip
 def test_lists_are_told_apart_by_the_names_beside_them(tmp_path: Path, write_log: Write) -> None:

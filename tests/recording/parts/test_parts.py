@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fricomp.recording import Recording, concatenate
+from fricomp.recording import Recording, check_recording, concatenate
 from fricomp.recording.parts.parts import find_usable_parts
 
 from ..joint_log import joint_log
@@ -160,3 +160,20 @@ def test_a_torque_that_was_read_as_unsigned_has_its_signs(bits: int, count: floa
     usable = find_usable_parts(log.with_channels(torque=np.mod(counts, 2**bits) * count))
     assert usable.kept.torque == pytest.approx(counts * count, abs=1e-6)
     assert any(f"signed number of {bits} bits" in one and "signed_range" in one for one in usable.sentences)
+
+
+@pytest.mark.parametrize(("rate", "share", "seed"), [(250.0, 0.03, 1), (1000.0, 0.005, 2), (100.0, 0.08, 3)])
+def test_torques_of_failed_readings_are_left_out(rate: float, share: float, seed: int) -> None:
+    log = joint_log(30.0, rate, seed)
+    failed = np.random.default_rng(seed).random(len(log)) < share
+    usable = find_usable_parts(_with(log, failed, torque=0.0))
+    assert sum(one.rows for one in usable.left_out) == pytest.approx(np.count_nonzero(failed), rel=0.1)
+    assert not np.any(np.asarray(usable.kept.torque) == 0.0)
+    assert not any(one.code == "jitter" for one in check_recording(usable.kept))
+
+
+def test_a_torque_of_zero_while_the_drive_is_off_was_there() -> None:
+    log = joint_log(30.0, 250.0, 5)
+    off = (np.asarray(log.time) % 5.0 < 0.2) & (np.abs(np.asarray(log.torque)) < 0.5)
+    usable = find_usable_parts(_with(log, off, torque=0.0))
+    assert not any("outlier of torque" in one.reason for one in usable.left_out)
