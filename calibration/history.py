@@ -104,8 +104,18 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
         except FricompError as error:
             left_out.append(f"{path}: {error}")
             continue
-        kept.setdefault(model.joint, []).append(found)
+        others = kept.setdefault(model.joint, [])
+        same = next((one for one in others if _is_copy(found, one)), None)
+        if same is None:
+            others.append(found)
+        else:
+            left_out.append(f"{path}: a copy of {same.path}")
     return tuple(_follow(joint, models) for joint, models in sorted(kept.items())), tuple(left_out)
+
+
+def _is_copy(one: KeptModel, other: KeptModel) -> bool:
+    """Whether two files hold one identification; both would make a trend look surer than it is."""
+    return one.when == other.when and one.model.law.parameters() == other.model.law.parameters()
 
 
 def _read_date(model: FrictionModel) -> datetime:

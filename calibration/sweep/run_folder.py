@@ -108,7 +108,8 @@ class RunFolder:
         except OutputError:
             raise
         except OSError as error:
-            raise SweepAborted(f"nothing to resume in {path}: {error.strerror or error}") from error
+            why = f"it holds no {_REQUEST}" if isinstance(error, FileNotFoundError) else error.strerror or error
+            raise SweepAborted(f"nothing to resume in {path}: {why}") from error
         except (msgspec.ValidationError, ParameterError) as error:
             raise RecordingError(
                 f"{file} does not say what can be done: {error}; --method, --noise and --normal-load may be given anew"

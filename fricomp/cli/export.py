@@ -96,7 +96,7 @@ def _render_settings(paths: list[Path], to: Target, any_status: bool) -> tuple[s
     levels = [fit_friction_levels(load_model(path), any_status=any_status) for path in paths]
     names = [each.joint for each in levels]
     if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise ExportError(f"two models are of joint {', '.join(twice)}: give one a joint")
+        raise ExportError(f"two models are of joint {', '.join(twice)}: give one model for each joint")
     return render_training(levels, to), "; ".join(f"{each.joint}: {each.fidelity}" for each in levels)
 
 

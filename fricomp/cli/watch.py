@@ -101,7 +101,8 @@ _HEADS = ("parameter", "first", "last", "unit", "change a day, 95 %", "beyond ch
 
 def _make_title(history: JointHistory) -> str:
     days = history.trends[0].days[-1] if history.trends else 0.0
-    return f"Joint {history.joint}: {len(history.models)} models over {days:.3g} days"
+    n = len(history.models)
+    return f"Joint {history.joint}: {n} models over {days:.3g} days" if n > 1 else f"Joint {history.joint}: one model"
 
 
 def _print(history: JointHistory) -> None:
@@ -114,7 +115,7 @@ def _print(history: JointHistory) -> None:
     changes = _tell_changes(history)
     for when, what in changes:
         screen.print(f"Changed at {when} UTC: {what}.", style="yellow")
-    if not changes:
+    if not changes and history.comparisons:
         screen.print("No change from one model to the next.")
 
 

@@ -277,7 +277,7 @@ def _find(joints: Iterable[ET.Element], name: str) -> ET.Element:
     """The joint of that name; elements of other sections, such as <ros2_control> or <equality>, may share it."""
     names = {element.get("name", ""): element for element in joints}
     if name not in names:
-        known = ", ".join(sorted(filter(None, names))) or "none"
+        known = ", ".join(map(repr, sorted(filter(None, names)))) or "none"
         raise ExportError(f"the file to write into has no joint {name!r}; it has {known}")
     return names[name]
 

@@ -70,7 +70,7 @@ def test_export_joins_the_settings_of_several_joints_and_refuses_one_joint_twice
     assert "wrist_" in done.stdout
     twice = fricomp("export", model, model, "--to", "isaaclab")
     assert twice.returncode == 2
-    assert "give one a joint" in twice.stderr
+    assert "give one model for each joint" in twice.stderr
 
 
 def test_export_to_json_is_the_model(model: Path, tmp_path: Path) -> None:

@@ -90,3 +90,19 @@ def test_a_model_of_no_known_date_is_left_out_with_the_reason(created: str, tmp_
     left_out = json.loads(call(tmp_path, "--json").stdout)["left_out"]
     assert len(left_out) == 1
     assert "provenance.created" in left_out[0]
+
+
+def test_a_copy_of_a_model_counts_once(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3, 0.3, 0.4])
+    (tmp_path / "kept").mkdir()
+    (tmp_path / "kept" / "friction.json").write_bytes((tmp_path / "elbow-1" / "friction.json").read_bytes())
+    answer = json.loads(call(tmp_path, "--json").stdout)
+    assert len(answer["joints"][0]["models"]) == 3
+    assert "a copy of" in answer["left_out"][0]
+
+
+def test_one_model_alone_is_said_to_be_one(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3])
+    output = call(tmp_path).output
+    assert "Joint elbow: one model" in output
+    assert "No change" not in output

@@ -109,7 +109,7 @@ def test_a_network_of_the_law_has_the_errors_of_the_law(terms: tuple[Cogging, ..
 def test_files_that_do_not_fit_say_what_to_do(tmp_path: Path) -> None:
     path = _write_arm(tmp_path)
     recording = _record(path, duration=4.0)
-    with pytest.raises(SimulationFileError, match=r"say which of its joints is meant: shoulder, elbow"):
+    with pytest.raises(SimulationFileError, match=r"say which of its joints is meant: 'shoulder', 'elbow'"):
         evaluate(path, recording.with_metadata(joint="joint"))
     with pytest.raises(SimulationFileError, match=r"has no joint 'wrist'"):
         evaluate(path, recording, joint="wrist")
