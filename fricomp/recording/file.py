@@ -180,7 +180,8 @@ def _read_named(
         raise_errors(log.findings, str(path))
     advice = "if it is wrong, 'fricomp convert LOG --inspect' writes a mapping to edit"
     notes = [note for note in notes if not any(found.message in note for found in log.findings)]  # told below
-    told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in notes)
+    bare = [note.removeprefix(f"{path.name}: ").rstrip(".") for note in notes]  # whoever tells it names the file
+    told = tuple(Finding("named_columns", "note", note, advice) for note in bare)
     return FileContent(found, (*told, *log.findings))
 
 

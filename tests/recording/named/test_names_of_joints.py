@@ -13,7 +13,8 @@ from pyarrow import parquet
 from scipy.io import savemat
 
 from fricomp.errors import RecordingError
-from fricomp.recording.file import read_content
+from fricomp.recording import RecordingWarning
+from fricomp.recording.file import read_content, read_recording
 from fricomp.recording.named.joint_name import select_joint
 from fricomp.recording.named.log import read_named_log, separate_joints
 from fricomp.recording.validity import Samples
@@ -193,6 +194,13 @@ def test_a_log_of_another_joint_is_refused_with_the_line_that_takes_it(tmp_path:
         read_content(path, joint="elbow")
     found = read_content(path, joint="elbow", channels={"position": "knee_q", "torque": "knee_tau"})
     assert found.recording.metadata.joint == "elbow"
+
+
+def test_a_note_on_a_log_names_its_file_once(tmp_path: Path) -> None:
+    path = write_columns(tmp_path / "log.csv", "t,knee_q,knee_tau", TIME, POSITION[:, 1], TORQUE[:, 1])
+    with pytest.warns(RecordingWarning) as told:
+        read_recording(path)
+    assert all(str(one.message).count("log.csv") == 1 for one in told)
 
 
 def test_columns_of_one_name_are_those_of_as_many_joints(tmp_path: Path) -> None:
