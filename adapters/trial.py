@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf
@@ -69,7 +69,7 @@ class TrialSettings:
                 raise ParameterError(f"{name} must be finite and positive, got {getattr(self, name)!r}")
 
 
-def try_drive(adapter: JointAdapter, settings: TrialSettings, may_energise: Callable[[], bool]) -> Iterator[TrialStep]:
+def try_drive(adapter: JointAdapter, settings: TrialSettings, may_energise: Callable[[], bool]) -> Generator[TrialStep]:
     """Open, configure, listen, energise at zero, push gently both ways, stop, and fall silent; one step at a time.
 
     Stops at the first step that fails, and leaves the adapter closed whatever happens.

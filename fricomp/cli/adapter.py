@@ -39,6 +39,7 @@ def check(
     that nothing above it can be commanded. What the drive latches while its watchdog is tried is cleared. Exit status 1
     if a step fails.
     """
+    from contextlib import closing
     from dataclasses import asdict
 
     from rich.text import Text
@@ -46,8 +47,9 @@ def check(
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import TrialSettings, try_drive
-    from fricomp.cli.output import answer
+    from fricomp.cli.output import answer, say_interrupted
     from fricomp.cli.terminal import console
+    from fricomp.control.loop.ending import require_stopped
     from fricomp.control.loop.interruption import interrupting_on_ending_signals
     from fricomp.errors import ParameterError
 
@@ -65,11 +67,16 @@ def check(
         return yes or typer.confirm(question, err=True)
 
     steps = []
-    with interrupting_on_ending_signals():
-        for step in try_drive(tried, settings, may_energise):
-            steps.append(step)
-            mark, style = MARKS[step.passed]
-            screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
+    try:
+        with interrupting_on_ending_signals(), closing(try_drive(tried, settings, may_energise)) as trial:
+            for step in trial:
+                steps.append(step)
+                mark, style = MARKS[step.passed]
+                screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
+    except KeyboardInterrupt:
+        require_stopped(tried)
+        say_interrupted("; what was energised is at zero torque")
+        raise
     failed = any(step.passed is False for step in steps)
     answer({"passed": not failed, "steps": [asdict(step) for step in steps]})
     if failed:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -27,7 +26,7 @@ from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
 from fricomp.cli.option.panel import Overwrite, fleet_option, option_under, output_option
-from fricomp.cli.output import hearing
+from fricomp.cli.output import hearing, say_interrupted
 from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
@@ -213,7 +212,7 @@ def _interruptible(out: Path) -> Iterator[None]:
     except KeyboardInterrupt:
         nothing = f"nothing was written into {out}"
         left = nothing if _changed_at(out / RECORD) == before else f"the files in {out} are incomplete"
-        print(f"\nInterrupted; {left}. The same command begins anew.", file=sys.stderr)
+        say_interrupted(f"; {left}. The same command begins anew.")
         raise
 
 

@@ -6,8 +6,8 @@ command is used; what is heavy is imported inside the functions.
 
 - A `FricompError` becomes one sentence on stderr and exit status 2; so do a file that cannot be written and a
   package that is not installed. Commands do not catch them.
-- Ctrl-C ends with status 130. A command that moves a joint stops it on the way (`with adapter:` does), and
-  lets `KeyboardInterrupt` go on.
+- Ctrl-C ends with status 130 and a sentence (`fricomp.cli.output.say_interrupted`). A command that moves a joint stops
+  it on the way (`with adapter:` does), and lets `KeyboardInterrupt` go on.
 - Examples stand in the `epilog` of a command, one a paragraph.
 """
 

@@ -8,6 +8,7 @@ program (`--json`). A command with an answer of its own prints that; of any othe
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -28,6 +29,7 @@ class Said:
         quiet: Nothing is said but errors and, where it is asked for, JSON.
         as_json: The answer is one JSON value, and nothing else stands on stdout.
         answered: Whether the command has printed an answer of its own.
+        interrupted: Whether it has said how it was interrupted.
         sentences: In order.
         tables: Title, columns and rows, in order.
     """
@@ -35,6 +37,7 @@ class Said:
     quiet: bool = False
     as_json: bool = False
     answered: bool = False
+    interrupted: bool = False
     sentences: list[str] = field(default_factory=list)
     tables: list[dict[str, Any]] = field(default_factory=list)
 
@@ -105,6 +108,10 @@ def _answering(callback: Callable[..., Any]) -> Callable[..., Any]:
             except typer.Exit:
                 _print_said(said)
                 raise
+            except KeyboardInterrupt:
+                if not said.interrupted:
+                    say_interrupted(".")
+                raise
             _print_said(said)
             return result
 
@@ -123,6 +130,16 @@ def _noting(said: Said) -> Iterator[Said]:
 def _print_said(said: Said) -> None:
     if said.as_json and not said.answered:
         print_json({"sentences": said.sentences, "tables": said.tables})
+
+
+def say_interrupted(how: str) -> None:
+    """Say on stderr that a command was interrupted; one that says nothing of its own has "Interrupted." said of it.
+
+    Args:
+        how: What follows that word: what is left, and how to go on.
+    """
+    hearing().interrupted = True
+    print(f"\nInterrupted{how}", file=sys.stderr)
 
 
 def answer(value: Any) -> None:

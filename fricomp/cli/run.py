@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import inf
@@ -14,6 +13,7 @@ import typer
 from fricomp.cli.option.motion_log import LogFile
 from fricomp.cli.option.page import Live, OpenPage
 from fricomp.cli.option.panel import Overwrite, option_under, output_option
+from fricomp.cli.output import say_interrupted
 
 if TYPE_CHECKING:
     from fricomp.adapters import AdapterOptions, JointAdapter
@@ -173,7 +173,7 @@ def _kept(claim: Claim, name: str) -> Iterator[Callable[[LoopLog, list[Recording
     try:
         yield lambda log, metadata: given.append((log, metadata))
     except KeyboardInterrupt:
-        print(f"\nInterrupted; the joints are at zero torque. What was recorded is in {claim.folder}", file=sys.stderr)
+        say_interrupted(f"; the joints are at zero torque. What was recorded is in {claim.folder}")
         raise
     finally:
         _write_log(given, claim, name)

@@ -19,7 +19,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.segment import Segment
 from rich.text import Text
 
-from fricomp.cli.output import hearing
+from fricomp.cli.output import hearing, say_interrupted
 
 _CONTROL = {code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if chr(code) not in "\n\t"}
 _CONTROL |= {
@@ -148,5 +148,5 @@ def resumable(out: Path, way: str = "--resume goes on") -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        print(f"\nInterrupted; what is finished is in {out}: {way}", file=sys.stderr)
+        say_interrupted(f"; what is finished is in {out}: {way}")
         raise

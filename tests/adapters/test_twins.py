@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
 from fricomp.adapters import JointAdapter
+from fricomp.adapters import trial as trial_module
 from fricomp.adapters.canopen import CanOpenAdapter
 from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
@@ -23,6 +25,7 @@ from fricomp.adapters.moteus.adapter import MoteusConfiguration
 from fricomp.adapters.odrive import OdriveAdapter
 from fricomp.adapters.odrive.configuration import OdriveConfiguration
 from fricomp.adapters.trial import LARGEST_SHARE, TrialSettings, TrialStep, try_drive
+from fricomp.cli.main import app
 from fricomp.errors import AdapterError, DriveHeld, ParameterError
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
@@ -239,3 +242,27 @@ def test_the_wrong_sign_is_found(tmp_path: Path) -> None:
 def test_more_than_a_twentieth_is_refused(share: float) -> None:
     with pytest.raises(ParameterError, match="at most 5%"):
         TrialSettings(share=share)
+
+
+@pytest.mark.parametrize("is_dead", [False, True])
+def test_an_interrupted_trial_says_what_has_become_of_the_joints(
+    is_dead: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(trial: trial_module._Trial, joint: int, sign: float) -> TrialStep:
+        if is_dead:
+            monkeypatch.setattr(type(trial.adapter), "_stop", fail)
+        raise KeyboardInterrupt
+
+    def fail(_: JointAdapter) -> None:
+        raise AdapterError("the bus is off")
+
+    monkeypatch.setattr(trial_module._Trial, "_push", interrupt)
+    (tmp_path / "drive.toml").write_text('backend = "twin-moteus"')
+    done = CliRunner().invoke(app, ["adapter", "check", str(tmp_path / "drive.toml"), "--yes"])
+    if is_dead:
+        assert isinstance(done.exception, AdapterError)
+        assert "the bus is off: cut the power" in str(done.exception)
+        assert "zero torque" not in done.stderr
+    else:
+        assert done.exit_code == 130
+        assert "Interrupted; what was energised is at zero torque" in done.stderr

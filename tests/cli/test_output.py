@@ -172,3 +172,13 @@ def test_a_paragraph_of_help_is_one_line_until_the_terminal_wraps_it() -> None:
     command = with_output_options(typer.main.get_command(app))
     assert command.help == "Does it.\n\nWhat is written in two lines."
     assert command.epilog == "One example over two lines.\n\nAnother."
+
+
+def test_an_interrupted_command_says_so_in_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fricomp.calibration.history.read_histories", interrupted)
+    done = CliRunner().invoke(main.app, ["watch", str(tmp_path)])
+    assert done.exit_code == main.EXIT_INTERRUPTED
+    assert done.stderr.strip() == "Interrupted."

@@ -35,7 +35,7 @@ from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.calibration.resume import changes, refuse_other
 from fricomp.cli.option.motion_log import log_calibration
 from fricomp.cli.option.page import open_page, watching
-from fricomp.cli.output import answer
+from fricomp.cli.output import answer, say_interrupted
 from fricomp.cli.parameter_table import parameter_table, print_verdict
 from fricomp.cli.terminal import console, progress
 from fricomp.control.loop.ending import stopping_on_error
@@ -190,12 +190,12 @@ def _how_to_resume(out: Path) -> str:
 
 def _say_interrupted(out: Path, motion: str, stopped: str, *, begun: bool) -> None:
     if not begun:
-        print(f"\nInterrupted{stopped}. Nothing was recorded.", file=sys.stderr)
+        say_interrupted(f"{stopped}. Nothing was recorded.")
         return
     way = _how_to_resume(out)
     if motion:
         way = "the same command with --overwrite records the motion anew, from its beginning"
-    print(f"\nInterrupted{stopped}. What was recorded is safe in {out / RECORDING}: {way}", file=sys.stderr)
+    say_interrupted(f"{stopped}. What was recorded is safe in {out / RECORDING}: {way}")
 
 
 def _report_nothing(text: str, done: float) -> None:
