@@ -87,7 +87,9 @@ def with_row_rate(columns: dict[str, Samples], rate: float | None) -> dict[str, 
 def find_row_rate(time: Samples) -> float | None:
     """Rows a second where several rows share each stamp [Hz]; None where that does not show."""
     new = np.flatnonzero(np.diff(time) != 0.0) + 1  # the first stamp may have been there before the first row
-    first, last = (new[0], new[-1]) if new.size > 2 else (0, time.size - 1)
+    if new.size < 2:
+        return None
+    first, last = new[0], new[-1]
     span = float(time[last] - time[first])
     rate = float(last - first) / span if span > 0.0 and np.isfinite(span) else 0.0
     if rate <= 0.0 or not np.isfinite(rate) or np.any(np.diff(time) < 0.0):

@@ -162,13 +162,18 @@ def _explain_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) 
     time = channels["time"]
     repeated = np.count_nonzero(np.diff(time) == 0.0)
     rate = find_row_rate(time[np.isfinite(time)])
-    if rate is None or repeated <= _MANY_REPEATED * time.size:
+    if repeated <= _MANY_REPEATED * time.size:
         return "no finite number in every column, or no later time", "look at what the source holds there"
     return f"{repeated} are stamped as the one before, by a clock that is coarser than they are", _advise_rate(rate)
 
 
-def _advise_rate(rate: float) -> str:
-    """What to write where several rows share each stamp and come at this rate [Hz]."""
+def _advise_rate(rate: float | None) -> str:
+    """What to write where several rows share each stamp and come at this rate [Hz], or at one that does not show."""
+    if rate is None:
+        return (
+            "give the rate of the rows, which the stamps do not tell: fricomp convert LOG --row-rate RATE --out "
+            "joint.csv; seconds since 1970 need numbers of double precision"
+        )
     return (
         f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert LOG --row-rate {rate:.5g} --out "
         f"joint.csv, or time = {{ rate = {rate:.5g} }} in a mapping"
@@ -213,11 +218,10 @@ def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
     row = int(bad[0]) + 1
     if step[row - 1] == 0:
         message = f"time {time[row]:.6g} s is stamped twice ({bad.size} rows do not advance)"
-        rate = find_row_rate(time) if bad.size > _MANY_REPEATED * time.size else None
         advice = "remove the repeated rows (fricomp convert --skip-bad-rows keeps the first of each), "
         advice += "or write spread = true for time in a mapping, where the rows were taken evenly"
-        if rate is not None:
-            advice = _advise_rate(rate)
+        if bad.size > _MANY_REPEATED * time.size:
+            advice = _advise_rate(find_row_rate(time))
         return (Finding("repeated_time", "error", message, advice, row + 1, "time"),)
     message = f"time falls from {time[row - 1]:.6g} s to {time[row]:.6g} s ({bad.size} rows do not advance)"
     advice = "split the file there or restore the clock: time must rise from row to row"

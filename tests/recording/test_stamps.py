@@ -8,6 +8,7 @@ import pytest
 from fricomp.cli.convert import convert
 from fricomp.errors import RecordingError
 from fricomp.recording import read_recording
+from fricomp.recording.file import read_content
 from fricomp.recording.stamps import find_rising, find_row_rate, spread_stamps
 
 from .joint_log import joint_log
@@ -19,6 +20,16 @@ def test_held_stamps_are_spread_and_tell_the_rate_of_the_rows(rate: float, held:
     stamps = np.floor(time / held + 1e-9) * held
     assert find_row_rate(stamps) == pytest.approx(rate, rel=0.01)
     assert np.std(spread_stamps(stamps) - time) < 0.1 * held
+
+
+def test_stamps_that_change_once_do_not_tell_the_rate_of_the_rows(tmp_path: Path) -> None:
+    time = (1.75e9 + 40.0 + np.arange(3000) / 100.0).astype(np.float32).astype(np.float64)
+    assert 1 < np.unique(time).size < 4
+    assert find_row_rate(time) is None
+    rows = [f"{t:.1f},{np.sin(k / 50.0):.6f},{np.cos(k / 50.0):.6f}" for k, t in enumerate(time)]
+    (tmp_path / "log.csv").write_text("\n".join(["timestamp,q,tau", *rows]) + "\n")
+    with pytest.raises(RecordingError, match=r"which the stamps do not tell.*double precision"):
+        read_content(tmp_path / "log.csv")
 
 
 def test_corrupt_stamps_cost_their_own_rows_alone() -> None:

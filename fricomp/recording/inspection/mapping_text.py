@@ -56,7 +56,7 @@ def describe_source(path: Path, layout: TextLayout | None) -> list[str]:
     skipped = layout.names_line if layout.is_plain else layout.rows_line
     lines = ["[source]", f"header = {str(layout.is_plain).lower()}", f"delimiter = {_quote(layout.delimiter)}"]
     lines += [f"skip_lines = {skipped}"] if skipped else []
-    return lines if layout.delimiter == "," else [*lines, 'decimal = ","  # "." where numbers have points']
+    return lines if layout.decimal == "." else [*lines, 'decimal = ","  # "." where numbers have points']
 
 
 def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more: str) -> str:

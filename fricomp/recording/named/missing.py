@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +19,10 @@ from .clock import find_stamps
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from .source import read_first_lines
 
+_PHASE = re.compile(r"(?:^|[_./ ])(?:[iI]|[Pp]hase|[Cc]urrent)[_ ]?([abcuvwABCUVW])(?![A-Za-z])")
+"""Name of the current of a phase: `i_a`, `phase_u`, `motor.current_C [A]`."""
+_ADDS_UP = 0.1
+"""Deviation of the sum of three currents, in that of each, up to which they are those of three phases."""
 _FIRST_ROWS = 4
 """Rows in which bytes in hexadecimal are looked for."""
 
@@ -27,6 +32,12 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
     motors = [own["motor_position"] for own in chosen.values() if "motor_position" in own and "position" not in own]
     if motors:
         return _explain_motor(path, *motors[0])
+    phases = _find_phases(columns)
+    if phases:
+        return (
+            f"{path}: {' and '.join(phases)} are the currents of a motor's phases, which turn with its angle: log the "
+            "current that makes the torque, such as iq, or a torque"
+        )
     missing = "torque" if any("position" in own for own in chosen.values()) else "position"
     what = {"torque": "the torque", "position": "a position and a torque"}[missing]
     if missing == "position" and _has_torque(columns):
@@ -63,6 +74,16 @@ def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
         f"there is no gear; else write position = {{ column = {name!r}, scale = 1/RATIO }} in a mapping, and scale = "
         "RATIO for a motor's torque (docs/recordings.md)"
     )
+
+
+def _find_phases(columns: Mapping[str, Samples]) -> list[str]:
+    """Names of the currents of three phases, which add up to nothing; none where there are no such."""
+    names = [name for name in columns if _PHASE.search(name)]
+    if len(names) != 3 or len({columns[name].size for name in names}) > 1:
+        return []
+    currents = np.stack([columns[name] for name in names])
+    total, each = np.nanstd(np.nansum(currents, axis=0)), np.nanstd(currents)
+    return names if total < _ADDS_UP * each else []
 
 
 def _is_of_another(name: str, missing: str) -> bool:

@@ -20,7 +20,7 @@ _MARKS = (";", "\t", "|", ",", "")
 """What may stand between cells; nothing stands for white space."""
 _COMMENTS = ("#", "%", "//")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
-_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
 _SLASHES = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*([AaPp][Mm])?")
 _DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
@@ -42,7 +42,7 @@ _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _UNITS_OF_PAIRS = ("unit", "units", "einheit", "einheiten")
 _SPAN = re.compile(r"(-?\d+) days?,? \+?(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
-_UNIT_LABEL = re.compile(r"^\s*(?:unit|einheit)\s*[:=]\s*", re.IGNORECASE)
+_UNIT_LABEL = re.compile(r"^\s*(?:units?|einheit(?:en)?)\s*[:=]\s*", re.IGNORECASE)
 """What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
 _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
 """A line that is drawn between names and rows."""
@@ -86,7 +86,7 @@ class TextLayout:
         names_line: Lines before that of the names; that of the first row where there is none.
         rows_line: Lines before the first row.
         in_comment: Whether the names stand in a comment.
-        is_joined: Whether they are of several lines.
+        is_joined: Whether they are of several lines, one of units among them.
     """
 
     delimiter: str
@@ -230,7 +230,7 @@ def _find_mark(line: str) -> str | None:
 
 def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     """The layout of a table whose first full row is known; rows above it may lack numbers."""
-    width, decimal = len(split_cells(lines[row], mark)), "." if mark == "," else ","
+    width, decimal = len(split_cells(lines[row], mark)), _find_decimal(lines[row:], mark)
     pairs = _name_pairs(lines[:row], width)
     if pairs:
         return TextLayout(mark, decimal, pairs, row, row, in_comment=True)
@@ -247,6 +247,15 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
             first = line.number
     bare = TextLayout(mark, decimal, (), first, first)
     return _choose_names(headings[:_MOST_HEADINGS], bare, labelled=_is_entry(cells[0])) if headings else bare
+
+
+def _find_decimal(rows: Sequence[str], mark: str) -> str:
+    """The decimal mark: a comma where it is not the delimiter, and in quotes where it cannot be between thousands."""
+    if mark != ",":
+        return ","
+    quoted = [cell for row in rows if '"' in row for cell in split_cells(row, mark) if "," in cell]
+    decimals = [cell for cell in quoted if _DECIMAL_COMMA.fullmatch(cell) and not _THOUSANDS.fullmatch(cell)]
+    return "," if decimals and not any("." in cell for cell in quoted) else "."
 
 
 def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
@@ -284,7 +293,7 @@ def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled:
         cells, said = ["time", *cells[1:]], ["", *said[1:]]
     pairs = itertools.zip_longest(cells, said[: len(cells)], fillvalue="")
     names = tuple(_with_unit(name, unit) for name, unit in pairs)
-    is_changed = cells != line.cells
+    is_changed = list(names) != list(line.cells)
     return replace(layout, names=names, names_line=line.number, in_comment=line.is_comment, is_joined=is_changed)
 
 

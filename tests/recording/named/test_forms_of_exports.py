@@ -165,7 +165,17 @@ def write_mujoco(folder: Path) -> Path:
     return write(folder / "sim.csv", ["time,qpos_0,actuator_force_0,ctrl_0", *fill("{t:.6f},{q:.9f},{u:.9f},0.1")])
 
 
+def write_quoted_commas(folder: Path, decimals: int = 9) -> Path:
+    rows = [",".join(f'"{value:.{decimals}f}"'.replace(".", ",") for value in row) for row in list_rows(POSITION)]
+    return write(folder / "log.csv", ['"t [s]","q [rad]","tau [Nm]"', *rows])
+
+
+def write_units_in_a_comment(folder: Path) -> Path:
+    return write(folder / "log.csv", ["# units: s, deg, Nm", "t,pos,torque", *fill("{t:.6f},{deg:.9f},{u:.9f}")])
+
+
 FORMS: list[Write] = [
+    *(write_quoted_commas, write_units_in_a_comment),
     *(write_vesc, write_mujoco),
     *(write_facts_in_lines, write_facts_down_to_the_rows, write_simulink, write_series_in_rows, write_elements),
     *(write_channels_in_lines, write_fields_in_archive, write_names_beside_rows, write_names_beside_columns),
@@ -287,3 +297,22 @@ def test_lerobot_names_a_joint_between_what_it_is_and_what_is_said_of_it(tmp_pat
     names = ["observation.state.elbow.pos", "observation.effort.elbow.effort"]
     path = write(tmp_path / "log.csv", [f"timestamp,{','.join(names)}", *fill("{t:.6f},{q:.9f},{u:.9f}")])
     assert read_content(path, joint="elbow").recording.metadata.joint == "elbow"
+
+
+def test_three_quoted_decimals_are_no_thousands(tmp_path: Path) -> None:
+    recording = read_content(write_quoted_commas(tmp_path, 3)).recording
+    assert recording.position == pytest.approx(POSITION, abs=6e-4)
+    assert recording.torque == pytest.approx(TORQUE, abs=6e-4)
+
+
+def test_quoted_commas_between_thousands_stay_so(tmp_path: Path) -> None:
+    rows = [f'{t:.6f},"{1e3 * deg:,.3f}",{u:.9f}' for t, deg, u in list_rows()]
+    recording = read_content(write(tmp_path / "log.csv", ["t,angle [mdeg],tau", *rows])).recording
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
+
+
+def test_currents_of_phases_are_told_as_such(tmp_path: Path) -> None:
+    phases = [TORQUE * np.cos(7.0 * POSITION - k * 2.0 * np.pi / 3.0) for k in range(3)]
+    rows = [",".join(f"{value:.6f}" for value in row) for row in zip(TIME, POSITION, *phases, strict=True)]
+    with pytest.raises(RecordingError, match=r"i_a and i_b and i_c are the currents of a motor's phases"):
+        read_content(write(tmp_path / "log.csv", ["t,pos_rad,i_a,i_b,i_c", *rows]))
