@@ -15,7 +15,7 @@ _SPELLED = {
     " mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
     "turns": "turn turns rev revs revolution revolutions",
     "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
-    "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s"
+    "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
     " radians·per·second degrees·per·second=deg/s",
     "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин",
     "turns/s": "turns/s turn/s rev/s rps hz",
@@ -84,6 +84,8 @@ _BARE = re.compile(
 )
 _REGISTER = re.compile(r"0x[0-9A-Fa-f]+")
 """Address of a register, whose last letter is no unit: `0x606C`."""
+_BEHIND_IN = re.compile(r"\bin ([^\s,;]+)$")
+"""A unit at the end of a name: `Winkel in Grad`."""
 _INVERSE = re.compile(r"^(?:(rad|deg|mm|cm|m|rev|r|u)[\s·.*]?)?(s|min)(?:\^?-|⁻)([12¹²])$")
 """Units as powers: `min-1`, `rad s^-1`, `m·s⁻²`."""
 _AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
@@ -122,6 +124,9 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
             found.append(UnitWord(unit, match.span(), match.group(1)))
     if found:
         return found
+    behind = _BEHIND_IN.search(name)
+    if behind and behind.start() > begin and read_unit(behind.group(1)):
+        return [UnitWord(read_unit(behind.group(1)), behind.span(), behind.group(1))]
     name = _REGISTER.sub(lambda number: " " * len(number.group()), name)
     bare = (match for match in _BARE.finditer(name) if match.start() > begin)
     return [

@@ -17,6 +17,8 @@ _ANY = frozenset(
     ]
 )
 """Words of what any joint may be called."""
+_ADDRESS = re.compile(r"0[xX][0-9A-Fa-f]{1,8}")
+"""Number of a device as buses write it."""
 
 
 def select_joint(names: Sequence[str], wanted: str, simulated: Sequence[str] = ()) -> str | None:
@@ -31,6 +33,7 @@ def select_joint(names: Sequence[str], wanted: str, simulated: Sequence[str] = (
         wanted: As the user, or a simulation, calls it.
         simulated: Of all joints of the simulation: where these count from one, a log that counts from zero does too.
     """
+    wanted = str(int(wanted, 16)) if _ADDRESS.fullmatch(wanted) else wanted
     called = count_from_one(names, simulated)
     called = {called.get(name, name): name for name in names}
     if wanted in called:

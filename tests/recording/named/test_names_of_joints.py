@@ -171,6 +171,7 @@ def test_names_of_joints_are_found(tmp_path: Path, names: tuple[str, ...], joint
         (["axis0"], "elbow", "axis0"),
         (["knee"], "elbow", None),
         (["joint_1", "joint_2"], "joint_3", None),
+        (["joint_3", "joint_26"], "0x1A", "joint_26"),
     ],
 )
 def test_a_joint_is_taken_where_its_name_leaves_no_choice(logged: list[str], wanted: str, found: str | None) -> None:
