@@ -15,8 +15,9 @@ from .coordinates import ArmModel
 from .fit import ArmFit
 from .friction import TERMS, JointForm
 from .glance import Glance
-from .identification import ArmIdentification, fit_robustly
+from .identification import ArmIdentification
 from .own_delay import find_own_delay
+from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .uncertainty.scatter import widen_covariance
 

@@ -2,8 +2,9 @@
 
 The bandwidth first, since structure that rings is no friction; then the time by which all torques are late, because a
 wrong delay turns into friction; then one thing more at a time, as long as it makes the recording more probable: a term
-of friction in a joint, a link that is further off than files usually are, a gain of all torques. What was taken in and
-does not come again in halves of the recording, or changes next to nothing on data that took no part, is left out again.
+of friction in a joint, a link that is further off than files usually are, a gain of all torques. Where what was found
+leaves so much less that a wider band says more, all of that is done again in it. What was taken in and does not come
+again in halves of the recording, or changes next to nothing on data that took no part, is left out again.
 """
 
 from __future__ import annotations
@@ -17,33 +18,29 @@ from fricomp.blas import one_blas_thread
 from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
+from .bandwidth import choose_rows, raise_cutoff
 from .coordinates import ArmModel
-from .equations import ArmEquations, build_equations
+from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
 from .friction import TERMS, JointForm
 from .glance import Glance
-from .physics import hold_at_zero, is_physical
+from .physics import is_physical
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
-from .rows import ArmRows, build_rows
+from .robust_fit import fit_robustly
+from .rows import ArmRows
 from .search.early_torque import EarlyTorques
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
-from .search.stribeck import hold_velocity, is_curve, refine_stribeck
+from .search.stribeck import hold_velocity, is_curve
 from .shared_delay import SharedDelay, measure_delay, measure_seen
 
-__all__ = ["LOOK_STEPS", "ArmIdentification", "fit_robustly", "identify_arm", "propose_models"]
+__all__ = ["LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
 
 Progress = Callable[[str], None]
 
-_CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
-"""[Hz] that are tried; the one at which the recording fixes the parameters best is taken."""
-
-_MOST_OF_RATE = 0.2
-"""Highest cutoff, as part of the sample rate."""
-
-_DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 6, 2, 2
-"""Of the search for a delay, of delay and model in turn, and of weighing rows by what a fit leaves of them."""
+_DELAY_ROUNDS, _PASSES = 6, 2
+"""Of the search for a delay, and of delay and model in turn."""
 
 _ALIKE = 3.0
 """Difference of such logarithms below which two explanations are said to do as well: odds of twenty to one."""
@@ -105,9 +102,27 @@ def identify_arm(
     say, prior = progress or (lambda _: None), prior or ArmPrior()
     if not any(np.ptp(part.position) > 0.0 for part in recording.parts):
         raise IdentificationError("no joint moves in this recording")
-    model = ArmModel(tuple(JointForm() for _ in arm.joints))
+    plain = ArmModel(tuple(JointForm() for _ in arm.joints))
     say("choosing the bandwidth")
-    rows, equations = _choose_rows(arm, recording, model, prior)
+    rows, equations = choose_rows(arm, recording, plain, prior)
+    found = _search(rows, equations, arm, recording, prior, say)
+    higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, equations.weights.noise)
+    if higher is not None:
+        found = _search(*higher, arm, recording, prior, say)
+    fit, equations = fit_robustly(arm, found.rows, found.equations, found.fit.model, prior, found.fit, settled=True)
+    return replace(found, fit=fit, equations=equations)
+
+
+def _search(
+    rows: ArmRows,
+    equations: ArmEquations,
+    arm: SimulatedArm,
+    recording: ArmRecording,
+    prior: ArmPrior,
+    say: Progress,
+) -> ArmIdentification:
+    """Delay and model in turn, from a plain one."""
+    model = ArmModel(tuple(JointForm() for _ in arm.joints))
     trials: dict[str, float] = {}
     rivals: dict[str, tuple[str, ...]] = {}
     delay = SharedDelay(0.0, 0.0, {})
@@ -120,68 +135,7 @@ def identify_arm(
         model, fit, equations = _take_in(rows, equations, model, prior, trials, rivals, arm)
         if model == before:
             break
-    fit, equations = fit_robustly(arm, rows, equations, model, prior, fit, settled=True)
     return ArmIdentification(recording, rows, equations, fit, delay, prior, trials, rivals)
-
-
-def fit_robustly(
-    arm: SimulatedArm,
-    rows: ArmRows,
-    equations: ArmEquations,
-    model: ArmModel,
-    prior: ArmPrior,
-    start: ArmFit | None = None,
-    *,
-    settled: bool = False,
-) -> tuple[ArmFit, ArmEquations]:
-    """A fit in which rows count by what it leaves of them, and friction follows the load that it finds.
-
-    Args:
-        arm: The simulation.
-        rows: Motion and torques.
-        equations: Of these rows, with whatever weights and load.
-        model: What is fitted.
-        prior: How far the simulation is trusted.
-        start: A fit to begin with.
-        settled: Nothing more is taken in: rows near a reversal count by what is left of them, no rotor's inertia is
-            below zero, and no viscous friction. While terms are chosen they may be, since what pulls them there would
-            pull at the terms.
-    """
-    fit = fit_arm(arm, equations, model, prior, start)
-    for _ in range(_REWEIGHTINGS):
-        fresh = equations.with_load(fit.compute_load(rows)).with_lean(rows, fit.inertia)
-        equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
-        fit = fit_arm(arm, equations, model, prior, fit)
-    fit, equations = refine_stribeck(rows, equations, fit, prior)
-    held = hold_at_zero(fit) if settled else fit.model
-    if held == fit.model:
-        return fit, equations
-    return fit_robustly(arm, rows, equations, held, prior, fit, settled=settled)
-
-
-def _choose_rows(
-    arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior
-) -> tuple[ArmRows, ArmEquations]:
-    """Rows at the cutoff at which the parameters' covariance has the least volume, all that is left being noise."""
-    best: tuple[float, ArmRows, ArmEquations] | None = None
-    for cutoff in _CUTOFFS:
-        if best is not None and cutoff > _MOST_OF_RATE / recording.period:
-            break
-        rows = build_rows(arm, recording, cutoff)
-        if len(rows) < 3 * len(arm.joints):
-            continue
-        bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel(), plain=True)
-        fit, equations = fit_robustly(arm, rows, bare, model, prior)
-        whole = equations.with_residuals(fit.residuals(equations), rows, robust=False)
-        fit = fit_arm(arm, whole, model, prior, fit)
-        size = np.sqrt(np.diag(fit.covariance))
-        volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
-        if best is None or volume < best[0]:
-            best = volume, rows, equations
-    if best is None:
-        raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
-    rows = best[1]
-    return rows, replace(build_equations(arm, rows, rows.links @ arm.inertia.ravel()), weights=best[2].weights)
 
 
 def _take_off_delay(

@@ -1,0 +1,125 @@
+"""Up to which frequency motion and torque are compared: structure that rings above it is no friction.
+
+The cutoff is the one at which the recording fixes the parameters best, all that is left being noise. What is missing in
+a joint is such noise as well until it is found; the cutoff that is right with it may be higher than that without.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+
+from .arm_recording import ArmRecording
+from .coordinates import ArmModel
+from .equations import ArmEquations, build_equations
+from .fit import ArmFit, fit_arm
+from .prior import ArmPrior
+from .rigid.simulated_arm import SimulatedArm
+from .robust_fit import fit_robustly
+from .rows import ArmRows, build_rows
+
+_CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
+"""[Hz] that are tried."""
+
+_MOST_OF_RATE = 0.2
+"""Highest cutoff, as part of the sample rate."""
+
+_FELL = 0.5
+"""Part of its noise that is left of a joint, from which on what was found in it may ask for a higher cutoff."""
+
+_HIGHER = 6.0
+"""By how much the logarithm of the parameters' volume must fall at a higher cutoff: e³ in their standard deviations."""
+
+
+class _Look(NamedTuple):
+    """What a cutoff is worth.
+
+    Attributes:
+        volume: Logarithm of the volume of the parameters' covariance.
+        rows: At this cutoff.
+        equations: As they were fitted.
+    """
+
+    volume: float
+    rows: ArmRows
+    equations: ArmEquations
+
+
+def choose_rows(
+    arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior
+) -> tuple[ArmRows, ArmEquations]:
+    """Rows at the cutoff at which the parameters' covariance has the least volume, all that is left being noise.
+
+    Args:
+        arm: The simulation.
+        recording: Of its joints.
+        model: Plain.
+        prior: How far the simulation is trusted.
+
+    Raises:
+        IdentificationError: No cutoff leaves enough rows.
+    """
+    looks: list[_Look] = []
+    for cutoff in _CUTOFFS:
+        if looks and cutoff > _MOST_OF_RATE / recording.period:
+            break
+        rows = build_rows(arm, recording, cutoff)
+        if len(rows) < 3 * len(arm.joints):
+            continue
+        bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel(), plain=True)
+        looks.append(_look(arm, rows, bare, model, prior))
+    if not looks:
+        raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
+    return _begin(arm, min(looks, key=lambda one: one.volume))
+
+
+def raise_cutoff(
+    rows: ArmRows,
+    equations: ArmEquations,
+    fit: ArmFit,
+    recording: ArmRecording,
+    prior: ArmPrior,
+    noise: FloatArray,
+) -> tuple[ArmRows, ArmEquations] | None:
+    """Rows at a higher cutoff, where what was found leaves so much less that it fixes the parameters better.
+
+    Args:
+        rows: At the cutoff that was chosen.
+        equations: Of these rows.
+        fit: What was found.
+        recording: Of the joints.
+        prior: How far the simulation is trusted.
+        noise: What a plain model left of each joint at that cutoff [N·m] or [N]. Shape (n_joints,).
+    """
+    higher = [one for one in _CUTOFFS if rows.cutoff < one <= _MOST_OF_RATE / recording.period]
+    fell = np.any(equations.weights.noise < _FELL * noise)
+    gapped = any("backlash" in form.names for form in fit.model.forms)  # its columns are of one cutoff
+    if not higher or not fell or gapped:
+        return None
+    looks = []
+    for cutoff in (rows.cutoff, *higher):
+        fresh = build_rows(fit.arm, recording, cutoff)
+        bare = build_equations(fit.arm, fresh, fit.compute_load(fresh)).with_ripple(fresh, equations.ripple)
+        looks.append(_look(fit.arm, fresh, bare, fit.model, prior))
+    best = min(looks, key=lambda one: one.volume)
+    return _begin(fit.arm, best) if best.volume < looks[0].volume - _HIGHER else None
+
+
+def _look(arm: SimulatedArm, rows: ArmRows, bare: ArmEquations, model: ArmModel, prior: ArmPrior) -> _Look:
+    fit, equations = fit_robustly(arm, rows, bare, model, prior)
+    whole = equations.with_residuals(fit.residuals(equations), rows, robust=False)
+    fit = fit_arm(arm, whole, model, prior, fit)
+    size = np.sqrt(np.diag(fit.covariance))
+    volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
+    return _Look(volume, rows, equations)
+
+
+def _begin(arm: SimulatedArm, look: _Look) -> tuple[ArmRows, ArmEquations]:
+    """Equations with all columns, and the weights of a look."""
+    rows = look.rows
+    return rows, replace(build_equations(arm, rows, rows.links @ arm.inertia.ravel()), weights=look.equations.weights)
