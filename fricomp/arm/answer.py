@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from fricomp.diagnosis.effects import EFFECTS
+from fricomp.root_mean_square import compute_rms
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
 from .coordinates import ArmModel
@@ -84,6 +85,14 @@ class ArmAnswer:
         sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
         timed = term != "torque_delay" or joint not in self._unshown
         return matters and sized and _is_whole(fit, joint, term) and timed
+
+    def measure_unexplained(self, joint: int) -> float:
+        """What is left of a joint on data that took no part, over means of 0.2 s, as part of its friction."""
+        found = self.identification
+        place, names = found.fit.find_friction(joint)
+        friction = found.equations.friction_of(joint, names) @ found.fit.x[place]
+        rubbed = compute_rms(friction[found.equations.moving[:, joint]])
+        return float(self.errors.means[-1, joint]) / max(rubbed, 1e-300)
 
     @cached_property
     def _unshown(self) -> frozenset[int]:

@@ -13,7 +13,7 @@ from fricomp.laws import FloatArray
 from fricomp.overview import AT_BOUND
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import list_doubts, say_corrections, say_shared_causes, say_tilt, say_what, write_summary
+from .brief import list_doubts, say_corrections, say_shared_causes, say_tilt, say_unexplained, say_what, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import ArmFit
@@ -137,6 +137,7 @@ def _describe_joint(
         error_simulation=float(answer.errors.simulation[joint]),
         error_plain=float(answer.errors.plain[joint]),
         error_model=float(answer.errors.model[joint]),
+        unexplained=answer.measure_unexplained(joint),
         stiffness=measure_stiffness(found, joint),
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
     )
@@ -227,7 +228,7 @@ def _judge_link(gap: FloatArray, spread: FloatArray, determined: BoolArray, open
 def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
-    doubts = list_doubts(record)
+    doubts = (*list_doubts(record), *say_unexplained(record))
     opening = (
         "The simulation leaves out physics in " + ", ".join(f"{joint} ({effect.name})" for joint, effect in named) + "."
         if named

@@ -102,6 +102,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         error_simulation: Held-out RMS error of the simulation's inverse dynamics, Coulomb and viscous friction fitted.
         error_plain: The same with links and rotors fitted as well.
         error_model: Of the whole model.
+        unexplained: What the whole model leaves over means of 0.2 s, in which there is little noise, as part of the
+            friction of the joint.
         files: Errors of the written files; None where the recording is too short for them.
         stiffness: Of its gear, where the motor's position was recorded and the gear gives way.
         possible_spring: Stiffness of a spring that is not named and explains the recording as well as links that weigh
@@ -116,6 +118,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     error_simulation: float
     error_plain: float
     error_model: float
+    unexplained: float = 0.0
     files: FileErrors | None = None
     stiffness: Quantity | None = None
     possible_spring: Quantity | None = None

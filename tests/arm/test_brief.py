@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fricomp.arm.brief import write_summary
+from fricomp.arm.brief import say_unexplained, write_summary
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
@@ -82,3 +82,13 @@ def test_a_joint_in_another_unit_or_frame_is_told_before_all_else() -> None:
     for other in (record, replace(record, better_frames=()), replace(record, torque_scales={})):
         (to_do,) = (one for one in write_summary(other, "Off.") if one.startswith("To do"))
         assert to_do.startswith("To do: give these joints one zero, direction and unit")
+
+
+def test_what_nothing_explains_is_told_before_anything_is_said_to_be_well() -> None:
+    joints = (replace(_joint("a", None), unexplained=0.3), replace(_joint("b", 0.1), unexplained=0.5))
+    record = replace(_record(joints), held_joints=("wrist",))
+    (told,) = say_unexplained(record)
+    assert "in a (30% of its friction): such as joints that moved and were not recorded (wrist)" in told
+    assert write_summary(record, told)[1].startswith("To do: look for what else moves")
+    assert say_unexplained(_record((_joint("a", None), replace(_joint("b", None), unexplained=0.05)))) == ()
+    assert say_unexplained(replace(record, better_frames=(JointFrame(joint="a", direction=-1, offset=0.0),))) == ()

@@ -45,6 +45,10 @@ def test_nothing_is_named_in_a_healthy_arm(healthy: ArmExamination) -> None:
     assert healthy.record.sentences[0].startswith("Nothing is missing")
 
 
+def test_of_a_healthy_arm_hardly_anything_is_left(healthy: ArmExamination) -> None:
+    assert max(joint.unexplained for joint in healthy.record.joints) < 0.03
+
+
 def test_friction_of_every_joint_lies_within_its_interval(healthy: ArmExamination) -> None:
     for joint, level, slope in zip(healthy.record.joints, (1.2, 0.8, 0.3), (0.6, 0.4, 0.1), strict=True):
         for name, truth in (("coulomb", level), ("viscous", slope)):

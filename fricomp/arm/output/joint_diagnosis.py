@@ -37,7 +37,7 @@ from fricomp.root_mean_square import compute_rms
 
 from ..answer import LEAST_FALL, RECURRENCE, ArmAnswer
 from ..arm_recording import find_start_temperature
-from ..brief import say_what
+from ..brief import is_unexplained, say_what
 from ..confirmation import ConfirmedData, without_terms
 from ..examination import ArmExamination
 from ..friction import TERMS
@@ -114,6 +114,8 @@ def _judge(record: JointRecord, off: bool) -> VerdictName:
     kinds = {EFFECTS[one.name].kind for one in record.effects}
     if kinds:
         return "measurement" if kinds == {"measurement"} else "missing_physics"
+    if is_unexplained(record):
+        return "unknown_physics"
     return "parameters" if off else "consistent"
 
 
