@@ -12,7 +12,7 @@ from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.recording.parts.holds import thin_held_rows
 
-from .instants import place_rows
+from .log.instants import place_rows
 from .record import JointFrame
 
 _GAP_SAMPLES, _GAP_TIME = 5.0, 0.05

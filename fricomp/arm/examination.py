@@ -17,8 +17,8 @@ from fricomp.simulation_file import list_joints
 from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
-from .drive_gain import take_torques
 from .identification import Progress, identify_arm
+from .log.drive_gain import take_torques
 from .prior import ArmPrior
 from .record import ArmRecord
 from .rigid.naming import find_strangers

@@ -155,7 +155,7 @@ def find_payload(log: ArmLog, simulation: Path, out: Path, options: ArmOptions, 
     Raises:
         FricompError: It cannot be found, or the folder holds something else.
     """
-    from fricomp.arm.drive_gain import take_given_gains
+    from fricomp.arm.log.drive_gain import take_given_gains
     from fricomp.arm.payload import diagnose_payload
     from fricomp.cli.terminal import progress
     from fricomp.diagnosis.report import write_diagnosis

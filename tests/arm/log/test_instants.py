@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.arm.instants import place_rows
+from fricomp.arm.log.instants import place_rows
 from fricomp.recording import Recording, RecordingMetadata
 
 PERIOD = 1e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.arm.drive_gain import take_torques
+from fricomp.arm.log.drive_gain import take_torques
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, RecordingMetadata
 
