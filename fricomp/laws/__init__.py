@@ -4,7 +4,7 @@ from fricomp.laws.bristle import Dahl, LuGre
 from fricomp.laws.coulomb import Coulomb, SmoothedCoulomb, Viscous
 from fricomp.laws.dwell_stiction import DwellStiction
 from fricomp.laws.end_stop import EndStop
-from fricomp.laws.kinematic_error import KinematicError
+from fricomp.laws.kinematic_error import KINEMATIC_ERROR_TERMS, KinematicError
 from fricomp.laws.lagged import LaggedLuGre, LaggedStribeck
 from fricomp.laws.law import FrictionLaw, LawState
 from fricomp.laws.load import LoadScaling
@@ -35,6 +35,7 @@ from fricomp.laws.tracing import INPUTS, TracedPoint, TracedStep, find_inputs, t
 __all__ = [
     "COGGING_TERMS",
     "INPUTS",
+    "KINEMATIC_ERROR_TERMS",
     "POSITION_COULOMB_TERMS",
     "BidirectionalStribeck",
     "Cogging",

@@ -1,4 +1,7 @@
-"""The torque of a gear that runs unevenly: its load is ahead of and behind the joint."""
+"""The torque of a gear that runs unevenly: its load is ahead of and behind the joint.
+
+A law holds a term of each name once; an unevenness of several orders is several terms, as a ripple is.
+"""
 
 from __future__ import annotations
 
@@ -66,3 +69,19 @@ class KinematicError(Term):
         held = (1.0 + self.order) * gravity + self.load_inertia * (self.order * fastest) ** 2
         accelerated = 2.0 * self.load_inertia * self.order * max(map(abs, ranges.acceleration or (0.0,)))
         return math.hypot(self.sine, self.cosine) * (held + accelerated)
+
+
+class KinematicError2(KinematicError):
+    """A second order of the unevenness."""
+
+    name: ClassVar[str] = "kinematic_error_2"
+
+
+class KinematicError3(KinematicError):
+    """A third order of the unevenness."""
+
+    name: ClassVar[str] = "kinematic_error_3"
+
+
+KINEMATIC_ERROR_TERMS: tuple[type[KinematicError], ...] = (KinematicError, KinematicError2, KinematicError3)
+"""Terms that an unevenness of several orders is made of, strongest first."""

@@ -162,19 +162,24 @@ def test_warmth_thins_the_oil_and_changes_the_level(context: Context) -> None:
     assert EFFECTS["thermal_friction"].refuse(values, [warm]) is None
 
 
-@pytest.mark.parametrize("order", [1.0, 2.0])
-def test_an_eccentric_encoder_shows_the_torque_of_another_motion(order: float, context: Context) -> None:
+@pytest.mark.parametrize(("order", "overtone"), [(1.0, 0.0), (2.0, 0.0), (1.0, 0.02), (2.0, 0.01)])
+def test_an_eccentric_encoder_shows_the_torque_of_another_motion(
+    order: float, overtone: float, context: Context
+) -> None:
     """The true motion is a sine; what an encoder of 40 mrad eccentricity makes of it is differentiated by hand."""
     size, q, v, a = 0.04, context.position, context.velocity, context.acceleration
-    angle = order * q + 0.7
-    bend = size * order * np.cos(angle)
+    angle, twice = order * q + 0.7, 2.0 * order * q - 0.3
+    bend = order * (size * np.cos(angle) + 2.0 * overtone * np.cos(twice))
+    curvature = -(order**2) * (size * np.sin(angle) + 4.0 * overtone * np.sin(twice))
     shown = replace(
         context,
-        position=q + size * np.sin(angle),
+        position=q + size * np.sin(angle) + overtone * np.sin(twice),
         velocity=v * (1.0 + bend),
-        acceleration=a * (1.0 + bend) - size * order**2 * np.sin(angle) * v**2,
+        acceleration=a * (1.0 + bend) + curvature * v**2,
     )
     values = {"sine": size * np.cos(0.7), "cosine": size * np.sin(0.7), "order": order}
+    if overtone:
+        values |= {"sine_overtone_2": overtone * np.cos(0.3), "cosine_overtone_2": -overtone * np.sin(0.3)}
     found = EFFECTS["encoder_eccentricity"].compute_contribution(shown, values).additive
     plant = context.plant
     truth, claimed = (
@@ -261,6 +266,22 @@ def test_a_ripple_with_an_overtone_is_two_terms_of_a_law(name: str, context: Con
     terms = effect.build_terms(values, context.plant, [context])
     torque = sum((np.asarray(term.torque(OperatingPoint(np.ones_like(q), q))) for term in terms), np.zeros_like(q))
     np.testing.assert_allclose(torque, wave, rtol=0, atol=1e-12)
+
+
+def test_ripple_of_the_torque_and_uneven_running_may_have_overtones(context: Context) -> None:
+    values = {"sine": 2e-3, "cosine": -1e-3, "order": 4.0, "sine_overtone_3": 5e-4, "cosine_overtone_3": 3e-4}
+    parts = [{"sine": 2e-3, "cosine": -1e-3, "order": 4.0}, {"sine": 5e-4, "cosine": 3e-4, "order": 12.0}]
+    for name, share in (("torque_ripple", {}), ("kinematic_error", {"load_share": 0.6})):
+        effect = EFFECTS[name]
+        both = effect.compute_contribution(context, values | share).additive
+        single = sum(effect.compute_contribution(context, part | share).additive for part in parts)
+        np.testing.assert_allclose(both, single, rtol=0, atol=1e-12)
+    gear, point = EFFECTS["kinematic_error"], OperatingPoint(context.velocity, context.position)
+    point = replace(point, acceleration=context.acceleration)
+    terms = gear.build_terms(values | {"load_share": 0.6}, context.plant, [context])
+    assert [term.name for term in terms] == ["kinematic_error", "kinematic_error_2"]
+    torque = sum(np.asarray(term.torque(point)) for term in terms)
+    np.testing.assert_allclose(torque, gear.compute_contribution(context, values | {"load_share": 0.6}).additive)
 
 
 def test_an_overtone_is_fitted_in_each_recording_where_its_numbers_are_given(context: Context) -> None:

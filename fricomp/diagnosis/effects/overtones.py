@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from fricomp.laws import Cogging, PositionCoulomb, Term
+from fricomp.laws import Term
 
 from ..inputs.track import FloatArray
 from .effect import EffectParameter
@@ -19,6 +19,11 @@ MULTIPLES = (2, 3)
 def list_overtones(names: Mapping[str, float]) -> tuple[int, ...]:
     """List the multiples of its order that a ripple with these numbers has beside the wave itself."""
     return tuple(times for times in MULTIPLES if f"sine{_end(times)}" in names)
+
+
+def list_multiples(values: Mapping[str, float]) -> tuple[int, ...]:
+    """List the multiples of its order at which a ripple with these numbers waves, its own first."""
+    return (1, *list_overtones(values))
 
 
 def start_overtone(times: int) -> dict[str, float]:
@@ -41,7 +46,7 @@ def compute_wave(values: Mapping[str, float], position: FloatArray, recording: s
         recording: End of the names of one recording's numbers, where each has a phase of its own.
     """
     angle, wave = values["order"] * position, np.zeros_like(position)
-    for times in (1, *list_overtones(values)):
+    for times in list_multiples(values):
         sine, cosine = get_overtone(values, times, recording)
         wave += sine * np.sin(times * angle) + cosine * np.cos(times * angle)
     return wave
@@ -54,13 +59,12 @@ def get_overtone(values: Mapping[str, float], times: int, recording: str = "") -
 
 
 def build_ripple_terms(
-    kinds: Sequence[type[Cogging] | type[PositionCoulomb]], values: Mapping[str, float]
+    kinds: Sequence[Callable[..., Term]], values: Mapping[str, float], *further: float
 ) -> tuple[Term, ...]:
-    """Build a ripple as terms of a law, one for each order."""
-    multiples = (1, *list_overtones(values))
+    """Build a ripple as terms of a law, one for each order; `further` numbers are the same in all of them."""
     return tuple(
-        kind(*get_overtone(values, times), times * values["order"])
-        for kind, times in zip(kinds, multiples, strict=False)
+        kind(*get_overtone(values, times), times * values["order"], *further)
+        for kind, times in zip(kinds, list_multiples(values), strict=False)
     )
 
 

@@ -19,20 +19,21 @@ _ORDER, _SIZE = 18.0, 0.12
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("overtone", [0.06, 0.0])
-def test_an_overtone_belongs_to_its_ripple_where_it_takes_much_of_what_is_left(overtone: float) -> None:
+@pytest.mark.parametrize(("name", "overtone"), [("cogging", 0.06), ("cogging", 0.0), ("torque_ripple", 0.06)])
+def test_an_overtone_belongs_to_its_ripple_where_it_takes_much_of_what_is_left(name: str, overtone: float) -> None:
     """Beside another effect that is missing, so that a pure wave leaves much as well."""
     columns = record(ToyJoint(gravity=1.0, quadratic_drag=0.3), "rich", 20.0)
     q = columns["true_position"]
     ripple = _SIZE * np.sin(_ORDER * q) + overtone * np.sin(2.0 * _ORDER * q + 1.0)
-    baseline = _prepare(Recording(columns["time"], columns["position"], columns["torque"] + ripple))
-    wave = Candidate("cogging", (("order", _ORDER),))
+    torque = columns["torque"] + ripple if name == "cogging" else columns["torque"] / (1.0 - ripple)
+    baseline = _prepare(Recording(columns["time"], columns["position"], torque))
+    wave = Candidate(name, (("order", _ORDER),))
     pure = Structure(baseline.structure.contexts, (wave,))
     (before,) = fit_from(baseline, [(pure, baseline.fit.theta)], baseline.box)
     found = fit_overtones(baseline, [before], 30.0)
     assert len(found) == (overtone > 0.0)
     for one in found:
-        values = one.structure.name_values(one.fit.theta[N_BASE:])["cogging"]
+        values = one.structure.name_values(one.fit.theta[N_BASE:])[name]
         assert np.hypot(values["sine_overtone_2"], values["cosine_overtone_2"]) == pytest.approx(overtone, rel=0.1)
         assert one.gain > before.gain
         assert fit_overtones(baseline, [one], 30.0) == []

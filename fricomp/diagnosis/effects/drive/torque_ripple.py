@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..overtones import compute_wave
 
 
 @register
@@ -36,9 +35,7 @@ class TorqueRipple(Effect):
         return [{"order": n} for n in contexts[0].hints.get("torque_order", ()) if n >= lowest]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        angle = values["order"] * context.position
-        wave = values["sine"] * np.sin(angle) + values["cosine"] * np.cos(angle)
-        return Contribution(additive=wave * context.torque)
+        return Contribution(additive=compute_wave(values, context.position) * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return refuse_long_wave(values["order"], contexts)

@@ -11,6 +11,7 @@ from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..overtones import get_overtone, list_multiples
 
 _ROUNDS = 4
 """Number of rounds towards the position at which the error is made: a small angle converges in fewer."""
@@ -18,7 +19,7 @@ _ROUNDS = 4
 
 @compile_kernel
 def _trace_to_source(
-    wave: tuple[np.ndarray, np.ndarray], position: tuple[np.ndarray, np.ndarray], settings: np.ndarray
+    wave: tuple[np.ndarray, np.ndarray], position: tuple[np.ndarray, np.ndarray], order: float, sizes: np.ndarray
 ) -> np.ndarray:
     """The encoder's error e(q) at the position at which it is made, for the recorded one.
 
@@ -27,28 +28,41 @@ def _trace_to_source(
     Args:
         wave: Cosine and sine of n times the recorded position. Shapes (n_samples,).
         position: Cosine and sine of the recorded position. Shapes (n_samples,).
-        settings: Amplitudes of sine and cosine [rad], and the order n.
+        order: n.
+        sizes: Amplitudes of sine and cosine at once, twice and three times that order [rad]. Shape (<= 3, 2).
 
     Returns:
-        e [rad], its slope over the position, and cosine and sine of that position. Shape (4, n_samples).
+        Slope and curvature of e over the position, and cosine and sine of that position. Shape (4, n_samples).
     """
-    sine, cosine, order = settings
     (wave_cosine, wave_sine), (position_cosine, position_sine) = wave, position
     out = np.empty((4, wave_cosine.size))
     for k in range(wave_cosine.size):
         c, s = wave_cosine[k], wave_sine[k]
-        last = error = sine * s + cosine * c
+        last = error = _add_waves(c, s, sizes)[0]
         for _ in range(_ROUNDS):
             turned_cosine, turned_sine = _expand_small_angle(order * error)
             last = error
             c = wave_cosine[k] * turned_cosine + wave_sine[k] * turned_sine
             s = wave_sine[k] * turned_cosine - wave_cosine[k] * turned_sine
-            error = sine * s + cosine * c
+            error = _add_waves(c, s, sizes)[0]
         turned_cosine, turned_sine = _expand_small_angle(last)
-        out[0, k], out[1, k] = error, order * (sine * c - cosine * s)
+        _, slope, curvature = _add_waves(c, s, sizes)
+        out[0, k], out[1, k] = order * slope, order * order * curvature
         out[2, k] = position_cosine[k] * turned_cosine + position_sine[k] * turned_sine
         out[3, k] = position_sine[k] * turned_cosine - position_cosine[k] * turned_sine
     return out
+
+
+@compile_kernel
+def _add_waves(c: float, s: float, sizes: np.ndarray) -> tuple[float, float, float]:
+    """The error at an angle with this cosine and sine [rad], and its first two derivatives by that angle."""
+    error = slope = curvature = 0.0
+    cosine, sine = c, s
+    for k in range(sizes.shape[0]):
+        here, ahead = sizes[k, 0] * sine + sizes[k, 1] * cosine, sizes[k, 0] * cosine - sizes[k, 1] * sine
+        error, slope, curvature = error + here, slope + (k + 1) * ahead, curvature - (k + 1) ** 2 * here
+        cosine, sine = cosine * c - sine * s, sine * c + cosine * s
+    return error, slope, curvature
 
 
 @compile_kernel
@@ -88,12 +102,14 @@ class EncoderEccentricity(Effect):
         return [{"order": 1.0}, {"order": 2.0}]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        sine, cosine, order = values["sine"], values["cosine"], values["order"]
+        order, sizes = values["order"], np.zeros((list_multiples(values)[-1], 2))
+        for times in list_multiples(values):
+            sizes[times - 1] = get_overtone(values, times)
         usual = context.waves
         waves = usual if order == 1.0 else (np.cos(order * context.position), np.sin(order * context.position))
-        wave, slope, cosine_there, sine_there = _trace_to_source(waves, usual, np.array([sine, cosine, order]))
+        slope, curvature, cosine_there, sine_there = _trace_to_source(waves, usual, order, sizes)
         v = context.velocity / (1.0 + slope)
-        a = (context.acceleration + order**2 * wave * v**2) / (1.0 + slope)
+        a = (context.acceleration - curvature * v**2) / (1.0 + slope)
         plant = context.plant
         gravity = plant.compute_static_torque(cosine_there, sine_there) - plant.compute_static_torque(*context.waves)
         viscous = np.where(v >= 0.0, plant.forward[3], plant.reverse[3])

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fricomp.laws import KinematicError as KinematicErrorTerm
-from fricomp.laws import Term
+from fricomp.laws import KINEMATIC_ERROR_TERMS, Term
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..overtones import build_ripple_terms, get_overtone, list_multiples
 from ..settings import EFFECT
 from ..two_masses import compute_uneven_running
 
@@ -42,18 +42,23 @@ class KinematicError(Effect):
         return [{"order": n, "load_share": EFFECT.usual_load_share} for n in orders if n >= lowest]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        wave = np.exp(1j * values["order"] * context.position)
-        torque = wave * compute_uneven_running(context, values["order"], values["load_share"])
-        return Contribution(additive=values["sine"] * torque.imag + values["cosine"] * torque.real)
+        total = np.zeros_like(context.position)
+        for times in list_multiples(values):
+            order, (sine, cosine) = times * values["order"], get_overtone(values, times)
+            torque = np.exp(1j * order * context.position)
+            torque *= compute_uneven_running(context, order, values["load_share"])
+            total += sine * torque.imag + cosine * torque.real
+        return Contribution(additive=total)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        if values["order"] * np.hypot(values["sine"], values["cosine"]) > EFFECT.steepest_unevenness:
+        slopes = [times * values["order"] * np.hypot(*get_overtone(values, times)) for times in list_multiples(values)]
+        if max(slopes) > EFFECT.steepest_unevenness:
             return "the gear's ratio would change by more than half along a wave"
         return refuse_long_wave(values["order"], contexts)
 
-    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_terms(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> tuple[Term, ...]:
         # The joint that the contribution was fitted along, which stays as it is while the plant is refitted.
         joint, rotary = contexts[0].plant, contexts[0].rotary
         gravity = joint.gravity if rotary else (0.0, 0.0)
         inertia = values["load_share"] * joint.inertia
-        return KinematicErrorTerm(values["sine"], values["cosine"], values["order"], inertia, *gravity)
+        return build_ripple_terms(KINEMATIC_ERROR_TERMS, values, inertia, *gravity)
