@@ -241,8 +241,11 @@ def _weigh_late_action(
     acts_late = find_late_action(given.recordings, usual)
     shows = acts_late > 0.0
     if not shows:
+        if _leaves_noise_alone(answer[1]):
+            return answer
         lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
-        acts_late = measure_late_torque(answer[0].case.baseline) or max(lags, default=0.0)
+        findings = answer[0]
+        acts_late = measure_late_torque(findings.case.baseline, findings.chosen) or max(lags, default=0.0)
     if acts_late <= usual:
         return answer
     _report(progress, "searching with the torque where it acts")
@@ -253,6 +256,11 @@ def _weigh_late_action(
     if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
         return answer
     return findings, join_channels(verdict, [late]) if is_late else verdict
+
+
+def _leaves_noise_alone(verdict: Verdict) -> bool:
+    """Whether the error of what was found cannot fall clearly any more: a model with nothing missing would leave it."""
+    return verdict.held.noise_floor > (1.0 - SETTINGS.late_fall) * verdict.held.rmse_after
 
 
 def _leaves_less(moved: Verdict, before: Verdict) -> bool:

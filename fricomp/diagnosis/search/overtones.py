@@ -29,17 +29,18 @@ def fit_overtones(baseline: Baseline, explanations: Sequence[Explanation], thres
 
 
 def _add_overtones(baseline: Baseline, one: Explanation, candidate: Candidate, threshold: float) -> Candidate:
-    """Add those overtones to a ripple of an explanation that take much of what it leaves; the same where none does."""
-    if not candidate.effect.ripple:
-        return candidate
+    """Add those overtones to a ripple of an explanation that take much of what it leaves; the same where none does, or
+    where it leaves nothing above the noise."""
     values, fit = dict(candidate.values), one.fit
+    excess = float(fit.residual @ fit.residual) - fit.residual.size
+    if not candidate.effect.ripple or excess < threshold:
+        return candidate
     form = {name: value for name, value in values.items() if not name.startswith(("sine", "cosine"))}
     further = [times for times in MULTIPLES if times not in list_overtones(values)]
     waves = {
         Candidate(candidate.name, tuple((form | {"order": times * form["order"]}).items())): times for times in further
     }
     columns = screen(baseline.problem, one.structure, fit.theta, fit.residual, fit.jacobian, list(waves)).columns
-    excess = float(fit.residual @ fit.residual) - fit.residual.size
     loud = [column for column in columns if column.energy > max(threshold, SEARCH.overtone_takes * excess)]
     for column in loud:
         values |= start_overtone(waves[column.candidate])
