@@ -58,16 +58,18 @@ class DwellStiction(Effect):
     """Part of the samples at rest below which the recording shows no ageing."""
     size_step: ClassVar[float] = 0.3
     """Change of the logarithm of a time or travel that matters."""
+    times: ClassVar[tuple[float, float]] = (0.05, 60.0)
+    """Bounds on the time constant [s]. A contact that ages faster has done so at every reversal, and one that takes a
+    minute does not in a recording."""
     largest_rise: ClassVar[float] = 3.0
     """Largest rise in the Coulomb torque. Rests have been seen to raise static friction by as much as that torque
     itself."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        # A contact that ages within 50 ms has done so at every reversal, and one that takes a minute does not in a
-        # recording. Travels below 1 mrad are the bristle's; above 0.1 rad the age outlasts most strokes.
+        # Travels below 1 mrad are the bristle's; above 0.1 rad the age outlasts most strokes.
         return (
             EffectParameter("rise", "{torque}", EFFECT.step * contexts[0].scale, form=0.4),
-            _build_size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
+            _build_size("time_constant", "s", self.times, prior=0.6, form=0.5),
             _build_size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
         )
 
@@ -89,6 +91,8 @@ class DwellStiction(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["rise"] <= 0.0:
             return "the static friction would fall at rest"
+        if values["time_constant"] < np.log(self.times[0]) + 0.01 * self.size_step:
+            return "it would not tell a short rest from a long one"
         # Rests may be short beside the time constant.
         grown = max(float(np.max(_compute_growth(context, values))) for context in contexts)
         if values["rise"] * grown > self.largest_rise * contexts[0].plant.level:
