@@ -39,7 +39,7 @@ NOTHING_BUT_SHARED = (
 )
 """Opening where the simulation has every effect that the recording shows."""
 
-_OF_RECORDING = re.compile(r"^(sine|cosine|amplitude)_(\d+)$")
+_OF_RECORDING, _OF_OVERTONE = re.compile(r"^(sine|cosine|amplitude)_(\d+)"), re.compile(r"_overtone_(\d+)$")
 
 _OPENING = {
     "bad_data": "The data cannot be diagnosed.",
@@ -186,7 +186,8 @@ def describe_detent(order: float, unit: str) -> str:
 
 def describe_parameter(name: str) -> str:
     """The name of a parameter in words: `sine_2` is the sine of the second recording, whose encoder starts anew."""
-    return _OF_RECORDING.sub(r"\1 of recording \2", name).replace("_", " ")
+    told = _OF_OVERTONE.sub(r", overtone \1", _OF_RECORDING.sub(r"\1 of recording \2", name))
+    return told.replace("_", " ")
 
 
 def _describe_improvement(held: HeldOut) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, NamedEffect, Quantity
-from fricomp.diagnosis.record.sentence import write_sentences
+from fricomp.diagnosis.record.sentence import describe_parameter, write_sentences
 
 
 def test_what_is_not_determined_is_told_without_its_number() -> None:
@@ -29,3 +31,16 @@ def test_what_is_not_determined_is_told_without_its_number() -> None:
     assert "not determined by this recording: inertia;" in text
     assert "0.384" not in text
     assert "3.21" not in text
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("stiffness", "stiffness"),
+        ("sine_2", "sine of recording 2"),
+        ("cosine_overtone_3", "cosine, overtone 3"),
+        ("amplitude_2_overtone_3", "amplitude of recording 2, overtone 3"),
+    ],
+)
+def test_a_wave_s_number_says_of_which_recording_and_overtone_it_is(name: str, words: str) -> None:
+    assert describe_parameter(name) == words
