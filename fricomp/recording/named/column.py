@@ -15,18 +15,7 @@ _WANTED: tuple[str, ...] = (
     *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
     *("заданный", "заданная", "заданное", "задание", "уставка"),
 )
-_MEASURED = {
-    "measured": 2,
-    "meas": 2,
-    "actual": 2,
-    "act": 2,
-    "active": 0,
-    "msr": 2,
-    "feedback": 1,
-    "fb": 1,
-    "state": 1,
-    "states": 1,
-}
+_MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
 _MEASURED |= {"filtered": 0, "filt": 0, "active": 0, "in": 0, "ang": 0, "angular": 0}
