@@ -91,7 +91,7 @@ class DwellStiction(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["rise"] <= 0.0:
             return "the static friction would fall at rest"
-        if values["time_constant"] < np.log(self.times[0]) + 0.01 * self.size_step:
+        if np.isclose(values["time_constant"], np.log(self.times[0])):
             return "it would not tell a short rest from a long one"
         # Rests may be short beside the time constant.
         grown = max(float(np.max(_compute_growth(context, values))) for context in contexts)
