@@ -96,14 +96,21 @@ class ArmAnswer:
 
     @cached_property
     def _unshown(self) -> frozenset[int]:
-        """Joints whose torque is earlier than those of the others, and does not show it in the whole model."""
+        """Joints whose torque is earlier or later than those of the others, and does not show it in the whole model.
+
+        Friction alone is late where it builds up over a travel, or lags.
+        """
         found, (delay,) = self.identification, TERMS["torque_delay"].names(0)
-        early = [j for j in range(len(found.fit.arm.joints)) if found.fit.friction(j).get(delay, 1.0) <= 0.0]
-        if not early:
+        values = {j: found.fit.friction(j)[delay] for j in range(len(found.fit.arm.joints)) if self._has_delay(j)}
+        if not values:
             return frozenset()
         glance = Glance(found.equations, found.fit, found.prior)
         torques = EarlyTorques(found.rows, found.equations, found.fit)
-        return frozenset(j for j in early if not torques.shows(j, glance))
+        shown = {j: torques.shows(j, glance) if one <= 0.0 else torques.is_link_late(j) for j, one in values.items()}
+        return frozenset(j for j, one in shown.items() if not one)
+
+    def _has_delay(self, joint: int) -> bool:
+        return "torque_delay" in self.identification.fit.model.forms[joint].names
 
     def list_named(self, joint: int) -> tuple[str, ...]:
         """Terms of a joint that are named, in the order in which they were taken in."""

@@ -9,9 +9,11 @@ import pytest
 
 from fricomp.arm import build_friction_model, examine_arm
 from fricomp.arm.coordinates import ArmModel
+from fricomp.arm.examination import match_recordings
 from fricomp.arm.friction import JointForm
-from fricomp.arm.identification import propose_models
+from fricomp.arm.identification import identify_arm, propose_models
 from fricomp.arm.rigid.simulated_arm import read_arm
+from fricomp.arm.search.early_torque import EarlyTorques
 from fricomp.laws import BidirectionalStribeck, FloatArray
 
 from .moving_arm import record_arm
@@ -33,6 +35,11 @@ def _fall_with_speed(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -
 
 def _ripple(joint: int, q: FloatArray, _: FloatArray, __: FloatArray) -> FloatArray:
     return np.asarray((0.6 if joint == 0 else 0.0) * np.cos(2.0 * np.pi * q / _PITCH + 0.4))
+
+
+def _rub_late(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
+    """Friction of the bridge as a bristle of a tenth of a millimetre has it: 8 ms after each reversal."""
+    return np.asarray((1.2 if joint == 0 else 0.0) * (np.sign(np.roll(v, 2)) - np.sign(v)))
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +66,16 @@ def test_the_force_ripple_of_a_linear_axis_is_named_with_its_pitch(simulation: P
     order = found.record.joints[0].effects[0].parameters["order"]
     assert order.unit == "1/m"
     assert order.value == pytest.approx(2.0 * np.pi / _PITCH, rel=0.02)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_torque_is_late_where_what_its_links_ask_for_is(simulation: Path, whole: bool) -> None:
+    """And not where friction alone is."""
+    recordings = record_arm(simulation, None if whole else _rub_late, duration=20.0, joints=_AXES)
+    if whole:
+        recordings[0] = recordings[0].with_channels(torque=np.roll(recordings[0].torque, 2))
+    found = identify_arm(*match_recordings(recordings, simulation))
+    assert EarlyTorques(found.rows, found.equations, found.fit).is_link_late(0) is whole
 
 
 def test_what_goes_with_an_angle_is_not_tried_on_a_linear_axis(simulation: Path) -> None:

@@ -29,6 +29,10 @@ _SURE = 3.5
 """Standard deviations by which both parts of a torque must be early, or differ: as many as whatever is taken in has."""
 
 
+_LATE = 2.0
+"""The same of what links ask for where a joint's torque is late: friction says so as well, and may say so alone."""
+
+
 class EarlyTorques:
     """Which joints' torques are early beside the time that a fit has for all.
 
@@ -55,6 +59,11 @@ class EarlyTorques:
         """Whether both what links ask of this joint and what rubs in it were recorded early."""
         found = self.measure(joint)
         return bool(np.all(found.values < -_SURE * found.deviations))
+
+    def is_link_late(self, joint: int) -> bool:
+        """Whether what links ask of this joint was recorded late, and not its friction alone."""
+        found = self.measure(joint)
+        return bool(found.values[0] > _LATE * found.deviations[0])
 
     def are_all(self, delay: float) -> bool:
         """Whether all torques were recorded early, in what links ask for as well.
