@@ -235,7 +235,7 @@ def _repeat(warm: WarmProcess, name: str, folder: Path, command: list[str], at: 
     if name == "calibrate" and (folder / "out" / "run.json").exists():
         command = ["calibrate", "--resume", "--out", str(folder / "out")]
     again = _call(warm, folder, command)
-    is_finished = "already: replace it (--overwrite)" in again.told or "is there already" in again.told
+    is_finished = "(--overwrite)" in again.told and "already" in again.told
     assert is_finished or again.returncode in (0, 1), (at, again.told)
     assert not kept or rows.read_bytes().startswith(kept), f"rows are lost by a kill at {at}"
     _check(name, folder)
@@ -321,6 +321,7 @@ def _try_random(warm: WarmProcess, name: str, count: int, rng: np.random.Generat
                 killed["by time" if by_time else "by operation"] += is_killed
             except AssertionError as error:
                 faults.append(f"at {at}: {error}")
+                sys.stderr.write(f"{name}: {faults[-1]}\n")
         sys.stderr.write(f"{name}: {number + 1} of {count}, {dict(killed)}, {len(faults)} faults\n")
     moments = f"{killed['by time']} within {whole:.1f} s, {killed['by operation']} before {operations} operations"
     return f"kills: {moments}, {killed['not']} too late", faults
