@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
 
-__all__ = ["Hold", "thin_held_rows"]
+__all__ = ["Hold", "find_stale_rows", "thin_held_rows"]
 
 Rows = NDArray[np.bool_]
 Indices = NDArray[np.intp]
@@ -24,6 +24,10 @@ _READINGS = ("torque", "velocity", "load_torque", "current", "motor_position")
 
 _LONGEST = 0.15
 """Time that a reading may last [s]: no drive answers more slowly, and a joint that is moved in steps looks alike."""
+
+
+_FEWEST_STALE = 5
+"""Rows from which on it is no chance that readings repeat."""
 
 
 class Hold(NamedTuple):
@@ -58,6 +62,23 @@ def thin_held_rows(recording: Recording) -> tuple[Recording, Hold | None]:
         if name in recording.channels
     }
     return recording.rows(kept).with_channels(**read), Hold(held, len(recording) - kept.size)
+
+
+def find_stale_rows(recording: Recording) -> Rows:
+    """Rows in which a reading failed now and then and all of the row before was logged again, though the joint moves.
+
+    A joint that rests repeats its readings, too: only rows count about which the position changes by several of its
+    steps. Where most rows repeat the rate is another one. Shape (n_samples,).
+    """
+    position, none = np.asarray(recording.position), np.zeros(len(recording), dtype=bool)
+    measured = [recording.channels[name] for name in ("position", *_READINGS) if name in recording.channels]
+    same = np.concatenate([[False], np.all([np.diff(values) == 0.0 for values in measured], axis=0)])
+    step = np.abs(np.diff(position))
+    if not np.any(step > 0.0):
+        return none
+    about = np.abs(np.append(position[1:], position[-1]) - np.append(position[0], position[:-1]))
+    stale = same & (about > _FAST * float(np.quantile(step[step > 0.0], 0.02)))
+    return stale if _FEWEST_STALE <= np.count_nonzero(stale) < _HELD * stale.size else none
 
 
 def _list_readings(values: Values, spacing: int) -> Indices:

@@ -19,7 +19,7 @@ from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_
 from fricomp.recording.checks.torque_causes import Register, find_register, read_signed
 from fricomp.recording.clock import Clock, mend_clock
 from fricomp.recording.parts.bursts import spread_bursts
-from fricomp.recording.parts.holds import thin_held_rows
+from fricomp.recording.parts.holds import find_stale_rows, thin_held_rows
 from fricomp.recording.parts.rests import find_rests
 from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwrap_position
 from fricomp.recording.recording import Recording
@@ -160,7 +160,11 @@ def _leave_strays(whole: Recording) -> tuple[Recording, Samples, tuple[LeftOut, 
     others = _tell("rows of another publisher or outliers of position", whole, ~followed.keep)
     whole = _select(whole, followed.keep)
     wild = find_wild_torque(whole)
-    return _select(whole, ~wild), jumps, (others, _tell("rows with an outlier of torque", whole, wild))
+    outliers = _tell("rows with an outlier of torque", whole, wild)
+    whole = _select(whole, ~wild)
+    stale = find_stale_rows(whole)
+    repeats = _tell("rows that repeat the one before while the joint moves", whole, stale)
+    return _select(whole, ~stale), jumps, (others, outliers, repeats)
 
 
 def _leave_rests(whole: Recording) -> tuple[Recording, tuple[str, ...], LeftOut]:

@@ -190,7 +190,7 @@ def _find_failed_readings(torque: Samples) -> Rows:
         return nothing
     edges = np.flatnonzero(np.diff(zero, prepend=False, append=False))
     runs = [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a <= _LONGEST_FAILURE]
-    usual = float(np.quantile(np.abs(np.diff(torque[~zero])), _USUAL_TORQUES))
+    usual = max(float(np.quantile(np.abs(np.diff(torque[~zero])), _USUAL_TORQUES)), measure_quantum(torque))
     sizes = np.pad(np.abs(torque), 1, constant_values=np.inf)
     leaps = [min(sizes[a], sizes[b + 1]) > _LEAP * usual for a, b in runs]
     if np.sum(leaps) < max(_FEWEST_REPEATS, _ALIKE * len(runs)):

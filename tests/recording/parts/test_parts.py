@@ -177,3 +177,19 @@ def test_a_torque_of_zero_while_the_drive_is_off_was_there() -> None:
     off = (np.asarray(log.time) % 5.0 < 0.2) & (np.abs(np.asarray(log.torque)) < 0.5)
     usable = find_usable_parts(_with(log, off, torque=0.0))
     assert not any("outlier of torque" in one.reason for one in usable.left_out)
+
+
+@pytest.mark.parametrize(("rate", "share", "seed"), [(250.0, 0.1, 6), (1000.0, 0.02, 7)])
+def test_rows_of_readings_that_failed_and_repeat_the_one_before_are_left_out(
+    rate: float, share: float, seed: int
+) -> None:
+    log = joint_log(30.0, rate, seed)
+    before = np.arange(len(log))
+    failed = np.random.default_rng(seed).random(len(log)) < share
+    failed[0] = False
+    before[failed] -= 1
+    usable = find_usable_parts(log.with_channels(**{k: v[before] for k, v in log.channels.items() if k != "time"}))
+    (left,) = usable.left_out
+    assert left.reason == "rows that repeat the one before while the joint moves"
+    assert 0.5 * np.count_nonzero(failed) < left.rows <= np.count_nonzero(failed)
+    assert len(usable.parts) == 1
