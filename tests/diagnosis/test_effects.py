@@ -200,6 +200,19 @@ def test_a_supply_sags_with_speed_and_with_power(context: Context) -> None:
     assert effect.refuse({"coefficient": 0.001, "loss_by_power": -0.01}, [context])
 
 
+@pytest.mark.parametrize(("top_share", "refused"), [(0.1, False), (0.5, False), (0.7, True), (3.0, True)])
+def test_no_drive_loses_most_of_its_torque(top_share: float, refused: bool, context: Context) -> None:
+    fastest, hottest = float(np.max(np.abs(context.velocity))), float(np.max(context.torque**2))
+    sag = {"coefficient": top_share / fastest, "loss_by_power": 0.0}
+    assert (EFFECTS["supply_sag"].refuse(sag, [context]) is not None) == refused
+    steady = replace(context, torque=np.full_like(context.position, hottest**0.5))
+    heat = EFFECTS["torque_constant_heating"].compute_contribution(steady, {"loss": 1.0, "time_constant": 0.0}).additive
+    warm = {"loss": top_share / float(np.max(heat / steady.torque)), "time_constant": 0.0}
+    assert (EFFECTS["torque_constant_heating"].refuse(warm, [steady]) is not None) == refused
+    iron = {"coefficient": top_share / hottest, "limit": 2.0 * hottest**0.5}
+    assert (EFFECTS["torque_saturation"].refuse(iron, [steady]) is not None) == refused
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_drive_follows_through_one_pole_or_two(order: int, context: Context) -> None:
     command = np.where(context.time < 1.0, 0.0, 1.0)

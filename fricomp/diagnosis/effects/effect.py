@@ -215,6 +215,16 @@ def compute_lowest_order(contexts: Sequence[Context]) -> float:
     return EFFECT.least_waves * 2.0 * np.pi / max(span, 1e-9)
 
 
+def refuse_large_loss(shares: Sequence[FloatArray]) -> str | None:
+    """Refuse a drive that loses more of its torque than any does while it runs.
+
+    Args:
+        shares: Part of the torque that is missing in each recording [1]. Shapes (n,).
+    """
+    lost = max(float(np.quantile(np.abs(share), EFFECT.nearly_all)) for share in shares)
+    return "most of the recorded torque would be lost" if lost > EFFECT.most_lost else None
+
+
 def refuse_long_wave(order: float, contexts: Sequence[Context]) -> str | None:
     """Refuse a ripple whose fit went to the lowest order, since anything that varies slowly looks like that."""
     if order > (1.0 + EFFECT.at_bound) * compute_lowest_order(contexts):

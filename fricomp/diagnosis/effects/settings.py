@@ -39,6 +39,12 @@ class EffectSettings:
     load would stand still while the motor runs."""
     usual_load_share: float = 0.6
     """That part where nobody knows it [1]: gears are chosen so that motor and load weigh about the same."""
+    nearly_all: float = 0.99
+    """Part of the samples that counts as all of them."""
+    most_lost: float = 0.6
+    """Part of a recorded torque up to which a warm motor or a low supply may take it in nearly all samples. Drives
+    switch off before that. Where more is taken away, so is most of what is to be explained: the torque of a real joint
+    with another drag was shrunk to a tenth, and little was left of any misfit."""
     least_waves: float = 1.5
     """Waves of a ripple that the recorded range must hold. Less of one looks like anything that varies slowly."""
     smooth_rows: int = 7

@@ -9,7 +9,7 @@ import numpy as np
 from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..context import Context
-from ..effect import Effect, EffectParameter, Values, register
+from ..effect import Effect, EffectParameter, Values, refuse_large_loss, register
 from ..settings import EFFECT
 
 
@@ -41,8 +41,9 @@ class SupplySag(Effect):
         return Contribution(additive=_compute_share(context, values) * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        falls = any(float(np.sum(_compute_share(c, values) * c.torque**2)) > 0.0 for c in contexts)
-        return None if falls else "the torque would rise as the supply sags"
+        shares = [_compute_share(context, values) for context in contexts]
+        falls = any(float(np.sum(share * c.torque**2)) > 0.0 for share, c in zip(shares, contexts, strict=True))
+        return refuse_large_loss(shares) if falls else "the torque would rise as the supply sags"
 
 
 def _compute_share(context: Context, values: Values) -> FloatArray:

@@ -8,9 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..context import Context
-from ..effect import Effect, EffectParameter, Values, register
+from ..effect import Effect, EffectParameter, Values, refuse_large_loss, register
 from ..heating_time import HEATING_TIME, propose_heating_times
 from ..settings import EFFECT
 from ..warming import compute_warming
@@ -38,8 +39,17 @@ class TorqueConstantHeating(Effect):
         return propose_heating_times()
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        heat = compute_warming(context.torque**2, context.dt, float(np.exp(values["time_constant"])))
-        return Contribution(additive=values["loss"] * heat * context.torque)
+        return Contribution(additive=_compute_share(context, values) * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "the torque constant would rise" if values["loss"] <= 0.0 else None
+        if values["loss"] <= 0.0:
+            return "the torque constant would rise"
+        return refuse_large_loss([_compute_share(context, values) for context in contexts])
+
+
+def _compute_share(context: Context, values: Values) -> FloatArray:
+    """Part of the torque that is missing [1]. Shape (n,)."""
+    share: FloatArray = values["loss"] * compute_warming(
+        context.torque**2, context.dt, float(np.exp(values["time_constant"]))
+    )
+    return share

@@ -10,7 +10,7 @@ import numpy as np
 from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..context import Context
-from ..effect import Effect, EffectParameter, Values, register
+from ..effect import Effect, EffectParameter, Values, refuse_large_loss, register
 from ..settings import EFFECT
 
 
@@ -57,7 +57,9 @@ class TorqueSaturation(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         beyond = np.concatenate([_cut_beyond(context, values["limit"]) for context in contexts])
         if not np.any(beyond):
-            return None if values["coefficient"] > 0.0 else "the torque would exceed the recorded one"
+            shares = [values["coefficient"] * context.torque**2 for context in contexts]
+            less = values["coefficient"] > 0.0
+            return refuse_large_loss(shares) if less else "the torque would exceed the recorded one"
         if np.mean(beyond != 0.0) > 1.0 - self.seldom[0]:
             return "most of the recording would lie beyond the limit, where any torque is as good as another"
         position = np.concatenate([context.position for context in contexts])
