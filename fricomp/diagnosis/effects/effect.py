@@ -45,6 +45,8 @@ class EffectParameter:
             it has none.
         searched: Whether its domain ends where the search ends, and not where physics does: a fit that stands there
             is no answer.
+        at_lowest: What the effect would be at its lower bound, where that is another one: said where its interval
+            reaches it. Empty where the bound is nothing special.
     """
 
     name: str
@@ -61,6 +63,7 @@ class EffectParameter:
     with_delay: float = 0.0
     null: float | None = None
     searched: bool = False
+    at_lowest: str = ""
 
     def is_at_end(self, value: float) -> bool:
         """Whether a value stands where the search of it ends, in the solver's coordinates; its null is no such end."""

@@ -23,7 +23,7 @@ def list_objections(refitted: RefittedJoint) -> dict[str, str]:
     """
     found = {}
     for name in refitted.structure.names:
-        reason = _find_end(refitted, name) or _find_long_wave(refitted, name) or _find_absence(refitted, name)
+        reason = _find_end(refitted, name) or _find_lowest(refitted, name) or _find_absence(refitted, name)
         if reason:
             found[name] = reason
     return found
@@ -54,16 +54,21 @@ def _find_end(refitted: RefittedJoint, name: str) -> str:
     return ""
 
 
-def _find_long_wave(refitted: RefittedJoint, name: str) -> str:
-    """Say that a ripple may have no period within the recorded range; empty where it has one for sure.
+def _find_lowest(refitted: RefittedJoint, name: str) -> str:
+    """Say that a number may as well stand at its lower bound, where the effect would be another one; empty where none
+    does.
 
-    A fit that stands at the lowest order is refused as anything that varies slowly; so is one that may as well do so.
+    A ripple at the lowest order has no period within the recorded range, and is anything that varies slowly.
     """
+    lowest_order = compute_lowest_order(refitted.structure.contexts)
     for index, (owner, parameter) in enumerate(refitted.structure.parameters, N_BASE):
-        lowest = parameter.name == "order" and parameter.lower >= compute_lowest_order(refitted.structure.contexts)
         low = float(refitted.fit.theta[index]) - 1.96 * float(refitted.deviations[index])
-        if owner == name and lowest and low <= parameter.lower:
+        if owner != name or low > parameter.lower:
+            continue
+        if parameter.name == "order" and parameter.lower >= lowest_order:
             return "its interval holds orders of which no period lies within the recorded range"
+        if parameter.at_lowest:
+            return f"the interval of its {parameter.name.replace('_', ' ')} holds that of {parameter.at_lowest}"
     return ""
 
 

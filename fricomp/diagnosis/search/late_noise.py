@@ -13,11 +13,11 @@ from .settings import SEARCH
 
 
 def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Baseline | None:
-    """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, or no
-    more than is noise.
+    """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, or is one
+    effect that leaves no more than noise.
 
     Nulls of the base vary from row to row as the recording does. A torque that is missing and changes within a few
-    rows, such as cogging, makes them as loud as itself, and what else is missing is weighed by that.
+    rows, such as cogging, makes them as loud as itself, and what else is missing is weighed by that, found or not.
 
     Args:
         baseline: The base with the nulls that were searched with.
@@ -33,6 +33,6 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
     fit = fit_base(problem, baseline.fit.theta, baseline.box)
     quieter = replace(baseline, problem=problem, fit=fit, nulls=nulls, recolouring=None)
     (again,) = fit_from(quieter, [(structure, theta[:N_BASE])], best.box)
-    if quieter.measure_loudness(again.fit) <= SEARCH.something_left:
+    if len(best.names) == 1 and quieter.measure_loudness(again.fit) <= SEARCH.something_left:
         return None
     return replace(quieter, structure=build_structure(problem, fit, baseline.box))

@@ -44,6 +44,14 @@ def test_a_ripple_whose_period_may_be_longer_than_the_range_is_no_name() -> None
     assert "no period" in list_objections(open_)["cogging"]
 
 
+@pytest.mark.parametrize(("time", "named"), [(0.05, False), (0.08, False), (0.3, True)])
+def test_friction_that_may_be_there_after_any_rest_does_not_grow_with_it(time: float, named: bool) -> None:
+    numbers = {"rise": 2.0, "time_constant": float(np.log(time)), "travel": float(np.log(0.005))}
+    objections = list_objections(_refitted("dwell_stiction", 0.4, **numbers))
+    assert ("dwell_stiction" not in objections) == named
+    assert named or "any rest" in objections["dwell_stiction"]
+
+
 @pytest.mark.parametrize(("back", "refused"), [(0.0, {"supply_sag", "load_coulomb"}), (0.3, set())])
 def test_a_motion_in_one_direction_shows_what_depends_on_the_angle_alone(back: float, refused: set[str]) -> None:
     (context,) = known_baseline().structure.contexts

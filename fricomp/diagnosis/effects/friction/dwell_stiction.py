@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import exp
 from typing import ClassVar
 
@@ -69,7 +70,10 @@ class DwellStiction(Effect):
         # Travels below 1 mrad are the bristle's; above 0.1 rad the age outlasts most strokes.
         return (
             EffectParameter("rise", "{torque}", EFFECT.step * contexts[0].scale, form=0.4),
-            _build_size("time_constant", "s", self.times, prior=0.6, form=0.5),
+            replace(
+                _build_size("time_constant", "s", self.times, prior=0.6, form=0.5),
+                at_lowest="friction that is there after any rest, however short",
+            ),
             _build_size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
         )
 
@@ -91,8 +95,6 @@ class DwellStiction(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["rise"] <= 0.0:
             return "the static friction would fall at rest"
-        if np.isclose(values["time_constant"], np.log(self.times[0])):
-            return "it would not tell a short rest from a long one"
         # Rests may be short beside the time constant.
         grown = max(float(np.max(_compute_growth(context, values))) for context in contexts)
         if values["rise"] * grown > self.largest_rise * contexts[0].plant.level:
