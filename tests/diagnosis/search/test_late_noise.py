@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
+from fricomp.diagnosis.search import late_noise
 from fricomp.diagnosis.search.late_noise import remeasure_noise
 from fricomp.diagnosis.search.preparation import Baseline, prepare
+from fricomp.diagnosis.search.refit import fit_from
 from fricomp.diagnosis.search.search import search
+from fricomp.diagnosis.search.settings import SEARCH
 
 from ..toy_joint import ToyJoint, recording
 
@@ -35,3 +41,20 @@ def test_noise_beside_a_ripple_is_that_of_the_joint_without_it() -> None:
     assert quieter is not None
     assert _measure_noise(quieter) == pytest.approx(noise, rel=0.35)
     assert remeasure_noise(plain, search(plain), seed=0) is None
+
+
+@pytest.mark.slow
+def test_two_effects_are_weighed_by_the_noise_beside_them_however_little_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By that of the base alone the second one would hardly count."""
+    monkeypatch.setattr(late_noise, "SEARCH", replace(SEARCH, something_left=np.inf))
+    rippled = _prepare(ToyJoint(quadratic_drag=0.5, cogging=_DETENT))
+    found = search(rippled)
+    assert found.best is not None
+    both = Structure(found.best.structure.contexts, (*found.best.settled, Candidate("quadratic_drag", ())))
+    (pair,) = fit_from(rippled, [(both, found.best.fit.theta[:N_BASE])], found.best.box)
+    assert remeasure_noise(rippled, found, seed=0) is None
+    quieter = remeasure_noise(rippled, replace(found, best=pair), seed=0)
+    assert quieter is not None
+    assert _measure_noise(quieter) < 0.2 * _measure_noise(rippled)
