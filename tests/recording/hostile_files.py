@@ -169,6 +169,7 @@ def _read_one_by_one(line: Connection, other_end: Connection) -> None:
     """In the copy: answer each path with the exit status and what went to both outputs."""
     other_end.close()
     warnings.simplefilter("ignore")
+    faulthandler.disable()  # the exit status says enough of a copy that dies
     while True:
         try:
             path = line.recv()
