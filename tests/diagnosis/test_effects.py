@@ -106,7 +106,7 @@ def test_whatever_is_not_refused_is_a_term_of_a_friction_law(name: str, sign: fl
             p.name: sign * p.scale if p.linear else start.get(p.name, 0.0) for p in effect.list_parameters([context])
         }
         if effect.refuse(values, [context]) is None:
-            effect.build_term(values, context.plant, [context])  # raises where the law does not take these values
+            effect.build_terms(values, context.plant, [context])  # raises where the law does not take these values
 
 
 def test_friction_may_differ_either_way_between_driving_and_braking(context: Context) -> None:

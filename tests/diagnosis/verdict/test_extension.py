@@ -180,8 +180,7 @@ def test_heat_that_was_only_estimated_is_no_term(context: Context) -> None:
 
 def test_a_linear_joint_has_no_gravity_over_its_position(context: Context) -> None:
     linear = replace(context, rotary=False)
-    term = EFFECTS["kinematic_error"].build_term(UNEVEN, PLANT, [linear])
-    assert term is not None
+    (term,) = EFFECTS["kinematic_error"].build_terms(UNEVEN, PLANT, [linear])
     expected = EFFECTS["kinematic_error"].compute_contribution(linear, UNEVEN).additive
     point = OperatingPoint(context.velocity, context.position, context.acceleration)
     np.testing.assert_allclose(term.torque(point), expected, atol=1e-12)
