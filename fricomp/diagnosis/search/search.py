@@ -341,12 +341,10 @@ def _grow(
 
 
 def _renew_starts(baseline: Baseline, seed: Explanation) -> Explanation:
-    """Compute what effects see for the joint of the seed, whose load may be far from that of the base alone, and scan
-    their starts again in what it leaves, where it explains most and leaves much.
+    """Scan the starts of effects again in what the seed leaves, where it explains most and leaves much.
 
     Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.
     """
-    seed = replace(seed, structure=replace(seed.structure, contexts=rebuild_contexts(baseline, seed)))
     if seed.left < SEARCH.much_left or seed.coverage < SEARCH.most_covered:
         return seed
     fit, contexts = seed.fit, seed.structure.contexts
