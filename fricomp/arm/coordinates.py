@@ -62,6 +62,11 @@ class ArmModel:
     rotorless: frozenset[int] = frozenset()
     pinned: frozenset[tuple[int, str]] = frozenset()
 
+    @classmethod
+    def build_plain(cls, joints: int) -> ArmModel:
+        """Nothing beside plain friction in this many joints."""
+        return cls((JointForm(),) * joints)
+
 
 class Linearised(NamedTuple):
     """The weighted squares about some parameters.

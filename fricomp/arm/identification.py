@@ -4,7 +4,7 @@ The bandwidth first, since structure that rings is no friction; then the time by
 wrong delay turns into friction; then one thing more at a time, as long as it makes the recording more probable: a term
 of friction in a joint, a link that is further off than files usually are, a gain of all torques. Where what was found
 leaves so much less that a wider band says more, all of that is done again in it. What was taken in and does not come
-again in halves of the recording, or changes next to nothing on data that took no part, is left out again.
+again in halves of the recording, or hardly changes the held-out error, is left out again.
 """
 
 from __future__ import annotations
@@ -102,9 +102,8 @@ def identify_arm(
     say, prior = progress or (lambda _: None), prior or ArmPrior()
     if not any(np.ptp(part.position) > 0.0 for part in recording.parts):
         raise IdentificationError("no joint moves in this recording")
-    plain = ArmModel(tuple(JointForm() for _ in arm.joints))
     say("choosing the bandwidth")
-    rows, equations = choose_rows(arm, recording, plain, prior)
+    rows, equations = choose_rows(arm, recording, ArmModel.build_plain(len(arm.joints)), prior)
     found = _search(rows, equations, arm, recording, prior, say)
     higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, equations.weights.noise)
     if higher is not None:
@@ -122,7 +121,7 @@ def _search(
     say: Progress,
 ) -> ArmIdentification:
     """Delay and model in turn, from a plain one."""
-    model = ArmModel(tuple(JointForm() for _ in arm.joints))
+    model = ArmModel.build_plain(len(arm.joints))
     trials: dict[str, float] = {}
     rivals: dict[str, tuple[str, ...]] = {}
     delay = SharedDelay(0.0, 0.0, {})

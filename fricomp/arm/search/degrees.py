@@ -11,15 +11,10 @@ from fricomp.recording import Recording
 
 from ..arm_recording import join_joints
 from ..rigid.simulated_arm import SimulatedArm
-from .frames import measure_frames
-
-_RADIAN = np.pi / 180.0
+from .frames import explains_better, measure_frames
 
 _TRAVEL = 2.0 * np.pi
 """[rad] or degrees that a joint covers at least where it is asked."""
-
-_FALL = 0.25
-"""Part of what rad leave that degrees leave at most, over all joints: half of two of them. Wrong links do less."""
 
 _SAME = 0.2
 """Relative error within which a velocity is the rate of a position."""
@@ -41,7 +36,7 @@ def are_degrees(arm: SimulatedArm, recordings: Sequence[Recording]) -> bool:
         )
     except RecordingError:  # too short, which is told where they are joined
         return False
-    return bool(in_degrees - as_read < np.log(_FALL))
+    return explains_better(in_degrees, as_read)
 
 
 def take_radians(arm: SimulatedArm, recordings: Sequence[Recording]) -> list[Recording]:
@@ -52,11 +47,11 @@ def take_radians(arm: SimulatedArm, recordings: Sequence[Recording]) -> list[Rec
 
 def _take_radians(recording: Recording) -> Recording:
     rate = np.gradient(np.asarray(recording.position), np.asarray(recording.time))
-    channels = {"position": _RADIAN * np.asarray(recording.position)}
+    channels = {"position": np.radians(recording.position)}
     for name in ("position_reference", "motor_position"):
         if getattr(recording, name) is not None:
-            channels[name] = _RADIAN * np.asarray(getattr(recording, name))
+            channels[name] = np.radians(getattr(recording, name))
     velocity = recording.velocity
     if velocity is not None and abs(float(velocity @ rate) / max(float(rate @ rate), 1e-300) - 1.0) < _SAME:
-        channels["velocity"] = _RADIAN * np.asarray(velocity)
+        channels["velocity"] = np.radians(velocity)
     return recording.with_channels(**channels)

@@ -22,7 +22,7 @@ from ..arm_recording import ArmRecording
 from ..friction import plain_columns
 from ..record import JointFrame
 from ..rigid.simulated_arm import SimulatedArm
-from ..rows import build_rows
+from ..rows import ArmRows, build_rows
 
 _CUTOFF = 2.5
 """[Hz] up to which torques are compared: gravity and friction lie below."""
@@ -30,14 +30,14 @@ _CUTOFF = 2.5
 _OF_RATE = 0.2
 """Highest cutoff, as part of the sample rate."""
 
-_LEAST_ROWS = 20
+LEAST_ROWS = 20
 """Of the fit of five parameters."""
 
 _FALL = 0.5
 """Part that a turned torque leaves at most, of what it leaves as it was recorded and of how much it varies: a joint
 whose links are guessed is not turned."""
 
-_POOR = 0.4
+POOR = 0.4
 """Part of how much a joint's torque varies, from which on what is left of it asks for another frame. Links that are off
 by a fifth leave half of that."""
 
@@ -50,6 +50,10 @@ _EXPLAINED, _KNOWN = 0.3, 0.1
 
 _FRAME_FALL = 0.5
 """Part that another frame leaves at most, over all joints and of its own: links that are off make up for less."""
+
+_EXPLAINS = 0.25
+"""Part that another reading of a whole recording leaves at most, over all joints: half of two of them. Links that are
+off do less."""
 
 _QUARTER = 0.5 * np.pi
 """[rad] by which the zeros of a controller and of a simulation usually differ, if they do."""
@@ -112,6 +116,16 @@ def measure_frames(arm: SimulatedArm, recording: ArmRecording, frames: Sequence[
     return float(np.sum(np.log(_measure_joints(arm, recording)[0])))
 
 
+def explains_better(left: float, before: float) -> bool:
+    """Whether so little is left that links that are off could not be why; sums of logarithms over all joints."""
+    return bool(left - before < np.log(_EXPLAINS))
+
+
+def build_slow_rows(arm: SimulatedArm, recording: ArmRecording) -> ArmRows:
+    """Rows of gravity and friction, which tell frames."""
+    return build_rows(arm, recording, min(_CUTOFF, _OF_RATE / recording.period))
+
+
 def _list_frames(arm: SimulatedArm) -> Iterator[tuple[int, JointFrame]]:
     for j, (name, rotary) in enumerate(zip(arm.joints, arm.rotary, strict=True)):
         for direction in (1, -1):
@@ -134,13 +148,13 @@ def _measure_joints(arm: SimulatedArm, recording: ArmRecording) -> tuple[FloatAr
     plain = _build_plain(arm, recording)
     left = np.array([_measure_left(columns, torque) for columns, torque in plain])
     spread = np.array([float(np.std(torque)) for _, torque in plain])
-    return np.maximum(left, 1e-300), bool(np.any(left > _POOR * spread))
+    return np.maximum(left, 1e-300), bool(np.any(left > POOR * spread))
 
 
 def _build_plain(arm: SimulatedArm, recording: ArmRecording) -> list[tuple[FloatArray, FloatArray]]:
     """Columns whose factors are not below zero, and the torque, of each joint; none where there are too few rows."""
-    rows = build_rows(arm, recording, min(_CUTOFF, _OF_RATE / recording.period))
-    if len(rows) < _LEAST_ROWS:
+    rows = build_slow_rows(arm, recording)
+    if len(rows) < LEAST_ROWS:
         return []
     simulated, acceleration = rows.links @ arm.inertia.ravel(), rows.compare(lambda _, __, a: a)
     plain = []

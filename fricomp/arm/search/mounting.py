@@ -21,20 +21,15 @@ from ..arm_recording import ArmRecording
 from ..friction import plain_columns
 from ..record import JointFrame
 from ..rigid.simulated_arm import SimulatedArm
-from ..rows import build_rows
-from .frames import find_better_frames, find_turned_torques, measure_frames
-
-_CUTOFF, _OF_RATE = 2.5, 0.2
-"""[Hz] up to which torques are compared, and the same as part of the sample rate at most: gravity lies below."""
-
-_LEAST_ROWS = 20
-"""Of the fit of gravity beside five parameters a joint."""
-
-_POOR = 0.4
-"""Part of how much a joint's torque varies, from which on what the simulation leaves of it asks for another gravity."""
-
-_FALL = 0.25
-"""Part that another gravity leaves at most, over all joints: half of two of them. Links that are off do less."""
+from .frames import (
+    LEAST_ROWS,
+    POOR,
+    build_slow_rows,
+    explains_better,
+    find_better_frames,
+    find_turned_torques,
+    measure_frames,
+)
 
 _TURN = 0.1
 """[rad] from which on gravity has another direction. A base that is less off its level is found with the links."""
@@ -97,7 +92,7 @@ def _find_gravity(arm: SimulatedArm, recording: ArmRecording) -> FloatArray | No
     if not len(torques):
         return None
     as_given = _measure_left(pulls, torques, given)
-    if not np.any(as_given > _POOR * spread):
+    if not np.any(as_given > POOR * spread):
         return None
     free = _fit(pulls, torques, given)
     length = float(np.linalg.norm(free))
@@ -122,9 +117,8 @@ def _separate(arm: SimulatedArm, recording: ArmRecording) -> tuple[FloatArray, F
     Returns:
         Shapes (n_joints, n, 3) and (n_joints, n), and how much each torque varies, shape (n_joints,).
     """
-    cutoff = min(_CUTOFF, _OF_RATE / recording.period)
-    rows, *pulled = (build_rows(arm.with_gravity(g), recording, cutoff) for g in (np.zeros(3), *np.eye(3)))
-    if len(rows) < _LEAST_ROWS:
+    rows, *pulled = (build_slow_rows(arm.with_gravity(g), recording) for g in (np.zeros(3), *np.eye(3)))
+    if len(rows) < LEAST_ROWS:
         return np.empty((0, 0, 3)), np.empty((0, 0)), np.empty(0)
     still = rows.links @ arm.inertia.ravel()
     pulls = np.stack([one.links @ arm.inertia.ravel() - still for one in pulled], axis=2)
@@ -157,4 +151,4 @@ def _measure_left(pulls: FloatArray, torques: FloatArray, factors: FloatArray) -
 
 def _falls(left: FloatArray, before: FloatArray) -> bool:
     """Whether so little is left, over all joints, that links that are off could not be why."""
-    return bool(np.sum(np.log(left / before)) < np.log(_FALL))
+    return explains_better(float(np.sum(np.log(left))), float(np.sum(np.log(before))))
