@@ -31,9 +31,14 @@ def start_overtone(times: int) -> dict[str, float]:
     return {f"{part}{_end(times)}": 0.0 for part in ("sine", "cosine")}
 
 
+def is_amplitude(name: str) -> bool:
+    """Whether a number of a ripple is a part of its size, in whatever recording and at whatever multiple."""
+    return name.startswith(("sine", "cosine"))
+
+
 def list_overtone_parameters(own: Sequence[EffectParameter], times: int) -> tuple[EffectParameter, ...]:
     """List the numbers of an overtone: those of the wave, in each recording."""
-    waves = [parameter for parameter in own if parameter.name.startswith(("sine", "cosine"))]
+    waves = [parameter for parameter in own if is_amplitude(parameter.name)]
     return tuple(replace(parameter, name=f"{parameter.name}{_end(times)}") for parameter in waves)
 
 

@@ -17,7 +17,7 @@ from ..joint.settings import JOINT
 from ..joint.solver import Box, Descent, Fit, Race, descend, run_together
 from . import EFFECTS, Context, Effect, EffectParameter
 from .context import add_load
-from .overtones import list_overtone_parameters, list_overtones
+from .overtones import is_amplitude, list_overtone_parameters, list_overtones
 
 __all__ = ["Candidate", "Structure", "fit_all"]
 
@@ -46,6 +46,11 @@ class Candidate:
         own = self.effect.list_parameters(contexts)
         overtones = list_overtones(dict(self.values))
         return (*own, *(one for times in overtones for one in list_overtone_parameters(own, times)))
+
+    def at_order(self, order: float) -> Candidate:
+        """The pure wave of the same ripple at another order [1/rad] or [1/m], its size to be found."""
+        form = {name: value for name, value in self.values if not is_amplitude(name)}
+        return Candidate(self.name, tuple((form | {"order": order}).items()))
 
 
 @dataclass(frozen=True)

@@ -73,9 +73,7 @@ def is_explained_by_overtone(
     part = max((one for one in tried if one.names == kept), key=lambda one: one.gain, default=None)
     if part is None or other not in part.values:
         return False
-    fit, form = part.fit, {p.name for owner, p in part.structure.parameters if owner == other and not p.linear}
-    start = {key: value for key, value in part.values[other].items() if key in form} | {"order": order}
-    wave = Candidate(other, tuple(start.items()))
+    fit, wave = part.fit, Candidate(other, tuple(part.values[other].items())).at_order(order)
     waves = screen(baseline.problem, part.structure, fit.theta, fit.residual, fit.jacobian, [wave]).columns
     return bool(waves) and waves[0].energy >= fit.cost - chosen.fit.cost
 

@@ -35,11 +35,8 @@ def _add_overtones(baseline: Baseline, one: Explanation, candidate: Candidate, t
     excess = float(fit.residual @ fit.residual) - fit.residual.size
     if not candidate.effect.ripple or excess < threshold:
         return candidate
-    form = {name: value for name, value in values.items() if not name.startswith(("sine", "cosine"))}
     further = [times for times in MULTIPLES if times not in list_overtones(values)]
-    waves = {
-        Candidate(candidate.name, tuple((form | {"order": times * form["order"]}).items())): times for times in further
-    }
+    waves = {candidate.at_order(times * values["order"]): times for times in further}
     columns = screen(baseline.problem, one.structure, fit.theta, fit.residual, fit.jacobian, list(waves)).columns
     loud = [column for column in columns if column.energy > max(threshold, SEARCH.overtone_takes * excess)]
     for column in loud:
