@@ -148,16 +148,25 @@ def follow_motion(recording: Recording) -> Continuity:
 
 
 def find_wild_torque(recording: Recording) -> Rows:
-    """Rows whose torque is far from those before and after it, which hold together. Shape (n_samples,).
+    """Rows in which a reading of torque failed, or whose torque is far from those before and after it, which hold
+    together. Shape (n_samples,).
+    """
+    wild = _find_failed_readings(np.asarray(recording.torque))
+    if not wild.any():
+        wild = _find_outliers(recording)
+    if not wild.any():
+        return wild
+    rest = np.flatnonzero(~wild)  # others may have stood beside them
+    wild[rest] = find_wild_torque(recording.rows(rest))
+    return wild
+
+
+def _find_outliers(recording: Recording) -> Rows:
+    """Rows whose torque is far from those around it. Shape (n_samples,).
 
     A torque that jumps often, such as one that a loop commands against a coarse encoder, has no outliers. One that the
     joint answers was there.
     """
-    failed = _find_failed_readings(np.asarray(recording.torque))
-    if failed.any():
-        rest = np.flatnonzero(~failed)
-        failed[rest] = find_wild_torque(recording.rows(rest))
-        return failed
     torque = np.asarray(recording.torque)
     if torque.size < _FEWEST_TORQUES:
         return np.zeros(torque.size, dtype=bool)
@@ -171,12 +180,7 @@ def find_wild_torque(recording: Recording) -> Rows:
     wild = np.asarray((off > _WILD * np.maximum(spread, least)) & (off > _LEAST_WILD * float(np.ptp(middle))))
     if not wild.any() or np.mean(wild) > _MOST_WILD:
         return np.zeros(torque.size, dtype=bool)
-    wild &= ~find_answered_kicks(torque, wild, np.asarray(recording.position), recording.sample_period)
-    if not wild.any():
-        return wild
-    rest = np.flatnonzero(~wild)  # others may have stood beside them
-    wild[rest] = find_wild_torque(recording.rows(rest))
-    return wild
+    return wild & ~find_answered_kicks(torque, wild, np.asarray(recording.position), recording.sample_period)
 
 
 def _find_failed_readings(torque: Samples) -> Rows:

@@ -97,10 +97,11 @@ def flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, A
     """
     flat: dict[str, Any] = {}
     for name, value in content.items():
-        if name == "X" and _is_signal(value) and "Y" in content:
-            flat[f"{prefix}time"] = _read_signal(value)[1]
-        elif _is_signal(value) and _read_signal(value)[0]:
-            flat[f"{prefix}{name}.{_read_signal(value)[0]}"] = _read_signal(value)[1]
+        label, values = _read_signal(value) if _is_signal(value) else ("", None)
+        if name == "X" and values is not None and "Y" in content:
+            flat[f"{prefix}time"] = values
+        elif label:
+            flat[f"{prefix}{name}.{label}"] = values
         elif isinstance(value, dict):
             flat.update(flatten_structures(value, f"{prefix}{name}."))
         elif _are_signals(value):
