@@ -129,7 +129,7 @@ def _read_date(model: FrictionModel) -> datetime:
         when = datetime.fromisoformat(said)
         return (when if when.tzinfo is not None else when.replace(tzinfo=UTC)).astimezone(UTC)
     except (ValueError, OverflowError) as error:
-        told = f"{said!r}, which is no date" if said else "nothing"
+        told = f"{said!r}, which is not a date" if said else "nothing"
         raise ParameterError(
             f"when it was made is not known: its provenance.created says {told}; write one such as 2026-03-01T12:00"
         ) from error

@@ -87,7 +87,7 @@ class ArmAnswer:
         return matters and sized and _is_whole(fit, joint, term) and timed
 
     def measure_unexplained(self, joint: int) -> float:
-        """What is left of a joint on data that took no part, over means of 0.2 s, as part of its friction."""
+        """Held-out error of a joint over means of 0.2 s, as part of its friction."""
         found = self.identification
         place, names = found.fit.find_friction(joint)
         friction = found.equations.friction_of(joint, names) @ found.fit.x[place]

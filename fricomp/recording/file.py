@@ -129,7 +129,7 @@ def _call_as_asked(path: Path, content: FileContent, joint: str | None, simulate
         return content
     if select_joint([called], joint) is None:
         raise RecordingError(
-            f"{path} is the recording of joint {called!r}, not of {joint!r}: leave out --joint, or say it so"
+            f"{path} is the recording of joint {called!r}, not of {joint!r}: leave out --joint, or give that name"
         )
     return content._replace(recording=content.recording.with_metadata(joint=joint))
 

@@ -89,7 +89,7 @@ def find_gaps(recording: Recording) -> tuple[Finding, ...]:
 def find_jitter(recording: Recording) -> tuple[Finding, ...]:
     """Uneven steps; filters and differences that assume a fixed period go wrong.
 
-    Steps of several periods are rows that are missing, which is no unevenness.
+    A step of several periods is a gap of missing rows, not jitter.
     """
     period = recording.sample_period
     periods = np.diff(recording.time) / period
