@@ -68,17 +68,17 @@ def find_stale_rows(recording: Recording) -> Rows:
     """Rows in which a reading failed now and then and all of the row before was logged again, though the joint moves.
 
     A joint that rests repeats its readings, too: only rows count about which the position changes by several of its
-    steps. Where most rows repeat the rate is another one. Shape (n_samples,).
+    steps. Where readings last for some rows the rate is another one, and none failed. Shape (n_samples,).
     """
     position, none = np.asarray(recording.position), np.zeros(len(recording), dtype=bool)
     measured = [recording.channels[name] for name in ("position", *_READINGS) if name in recording.channels]
     same = np.concatenate([[False], np.all([np.diff(values) == 0.0 for values in measured], axis=0)])
     step = np.abs(np.diff(position))
-    if not np.any(step > 0.0):
+    if not np.any(step > 0.0) or _typical_hold(position) is not None:
         return none
     about = np.abs(np.append(position[1:], position[-1]) - np.append(position[0], position[:-1]))
     stale = same & (about > _FAST * float(np.quantile(step[step > 0.0], 0.02)))
-    return stale if _FEWEST_STALE <= np.count_nonzero(stale) < _HELD * stale.size else none
+    return stale if np.count_nonzero(stale) >= _FEWEST_STALE else none
 
 
 def _list_readings(values: Values, spacing: int) -> Indices:

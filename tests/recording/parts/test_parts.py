@@ -104,6 +104,7 @@ def test_held_rows_are_thinned_to_the_rate_of_the_readings(rows: int) -> None:
     index = np.arange(len(log)) // rows * rows
     held = {name: values[index] for name, values in log.channels.items() if name != "time"}
     usable = find_usable_parts(log.with_channels(**held))
+    assert usable.left_out == ()  # and none of them is a reading that failed
     assert usable.kept.sample_period == pytest.approx(rows * 1e-3, rel=0.01)
     assert f"{1000.0 / rows:.4g} Hz" in usable.sentences[-1]
 
