@@ -53,7 +53,7 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
     doubts, unexplained = list_doubts(record), say_unexplained(record)
-    framed = bool(_list_frames(record) or record.torque_scales)
+    framed = bool(record.better_frames or record.torque_scales)
     normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
     to_do = _REFRAME if framed else _SEEK if opening in unexplained else normal
     lines = [opening, *(one for one in (*doubts, *unexplained) if one != opening), *say_corrections(record), to_do]
@@ -73,7 +73,7 @@ def list_doubts(record: ArmRecord) -> tuple[str, ...]:
     Joints seem to have another unit, zero or direction than in the simulation: all else would follow from that.
     """
     lines = [_say_scales(record.torque_scales)] if record.torque_scales else []
-    lines += [_say_frames(_list_frames(record))] if _list_frames(record) else []
+    lines += [_say_frames(record.better_frames)] if record.better_frames else []
     return tuple(lines) or say_doubts(record.joints)
 
 
@@ -101,11 +101,6 @@ def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
             "little of each joint, as where one moves at a time."
         )
     return tuple(lines)
-
-
-def _list_frames(record: ArmRecord) -> tuple[JointFrame, ...]:
-    """Other zeros and directions that speak against an answer: another mounting has already done as much."""
-    return record.better_frames if record.gravity is None else ()
 
 
 def say_unexplained(record: ArmRecord) -> tuple[str, ...]:
@@ -174,7 +169,7 @@ def say_corrections(record: ArmRecord) -> tuple[str, ...]:
     degrees = "Positions were taken to be in degrees: only then does the simulation explain the torques."
     return (
         *((degrees,) if record.degrees else ()),
-        *say_gravity(record.gravity, record.better_frames),
+        *say_gravity(record.gravity, record.frames_instead),
         *say_turned(record.turned_torques),
     )
 

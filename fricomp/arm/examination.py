@@ -148,12 +148,12 @@ def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> tuple[S
     joined = join_joints(recordings)
     mounting = find_mounting(arm, joined)
     if mounting is not None:
-        arm, joined = arm.with_gravity(mounting.gravity), replace(joined, alike=mounting.frames)
+        arm, joined = arm.with_gravity(mounting.gravity), replace(joined, frames_instead=mounting.frames)
     turned = find_turned_torques(arm, joined)
     if not turned:
         return arm, joined
     rightly = [turn_torque(one) if one.metadata.joint in turned else one for one in recordings]
-    return arm, replace(join_joints(rightly), turned=turned, alike=joined.alike)
+    return arm, replace(join_joints(rightly), turned=turned, frames_instead=joined.frames_instead)
 
 
 def _read_recorded(

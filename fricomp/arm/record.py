@@ -182,8 +182,8 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         unknown_joints: Joints that were recorded and moved, and that the simulation does not have: they were left out.
         turned_torques: Joints whose torques were recorded with the opposite sign, and were turned round.
         degrees: Whether positions were degrees, though nothing in the log said so.
-        better_frames: Joints whose zero or direction seems to be another one than in the simulation; beside another
-            `gravity`, what would explain as much in its place.
+        better_frames: Joints whose zero or direction seems to be another one than in the simulation.
+        frames_instead: Zeros and directions of joints that would explain as much as another `gravity`.
         torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
             unit, such as that of its motor.
         one_way: Joints that hardly went back, whose friction is not told from a constant torque.
@@ -208,6 +208,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     turned_torques: tuple[str, ...] = ()
     degrees: bool = False
     better_frames: tuple[JointFrame, ...] = ()
+    frames_instead: tuple[JointFrame, ...] = ()
     torque_scales: dict[str, float] = {}
 
 

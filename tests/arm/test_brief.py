@@ -84,6 +84,14 @@ def test_a_joint_in_another_unit_or_frame_is_told_before_all_else() -> None:
         assert to_do.startswith("To do: give these joints one zero, direction and unit")
 
 
+def test_frames_that_would_do_in_place_of_another_mounting_speak_against_nothing() -> None:
+    frame = JointFrame(joint="b", direction=1, offset=3.0)
+    record = replace(_record((_joint("a", None),)), gravity=(0.0, 0.0, 9.81), frames_instead=(frame,))
+    told = write_summary(record, "Nothing is missing.")
+    assert any("the same with b" in line for line in told)
+    assert not any(line.startswith("To do: give these joints") for line in told)
+
+
 def test_what_nothing_explains_is_told_before_anything_is_said_to_be_well() -> None:
     joints = (replace(_joint("a", None), unexplained=0.3), replace(_joint("b", 0.1), unexplained=0.5))
     record = replace(_record(joints), held_joints=("wrist",))

@@ -73,5 +73,5 @@ def test_a_joint_with_another_zero_is_no_other_mounting(tmp_path: Path) -> None:
 def test_what_explains_as_much_as_another_mounting_is_told_with_it(tmp_path: Path) -> None:
     """From the ceiling, or with a shoulder that is half a turn off: gravity pulls the same way."""
     _, recording = match_recordings(_record(tmp_path, (0.0, 0.0, 9.81)), _write(tmp_path, (0.0, 0.0, -9.81)))
-    assert [(one.joint, one.direction, abs(one.offset)) for one in recording.alike] == [("shoulder", 1, np.pi)]
-    assert "the same with shoulder" in say_gravity((0.0, 0.0, 9.81), recording.alike)[0]
+    assert [(one.joint, one.direction, abs(one.offset)) for one in recording.frames_instead] == [("shoulder", 1, np.pi)]
+    assert "the same with shoulder" in say_gravity((0.0, 0.0, 9.81), recording.frames_instead)[0]

@@ -9,14 +9,18 @@ from glob import glob
 from pathlib import Path
 
 from fricomp.arm.rigid.naming import match_joints
+from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording, RecordingMetadata, convert, load_mapping, read_recording
-from fricomp.recording.named.log import is_native, read_named_log, separate_joints
+from fricomp.recording.named.log import NamedLog, is_native, read_named_log, separate_joints, slides_by_force_alone
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import is_bag_folder
 from fricomp.simulation_file import compile_simulation
 
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
+
+_Simulated = tuple[str | Path | None, Mapping[str, str]]
+"""A simulation, and names in it by names in the log."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ def read_arm_log(
     notes: list[str] = []
     files = list_log_files(sources)
     for path in files:
-        found = _read_one(path, str(mapping), dict(channels or {}), notes)
+        found = _read_one(path, str(mapping), dict(channels or {}), notes, (simulation, names or {}))
         if len(found) > 1:
             sessions.append(found)
         elif found:
@@ -106,7 +110,9 @@ def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def _read_one(path: Path, mapping: str, channels: dict[str, str], notes: list[str]) -> tuple[Recording, ...]:
+def _read_one(
+    path: Path, mapping: str, channels: dict[str, str], notes: list[str], simulated: _Simulated
+) -> tuple[Recording, ...]:
     if mapping:
         return tuple(one.recording for one in convert(path, load_mapping(mapping)))
     if path.is_dir() and not is_bag_folder(path):
@@ -116,7 +122,30 @@ def _read_one(path: Path, mapping: str, channels: dict[str, str], notes: list[st
     else:
         log = read_named_log(path, channels)
     notes += log.notes
-    return log.recordings
+    return _turn_as_simulated(path, log, *simulated, notes)
+
+
+def _turn_as_simulated(
+    path: Path, log: NamedLog, simulation: str | Path | None, names: Mapping[str, str], notes: list[str]
+) -> tuple[Recording, ...]:
+    """The recordings of a log; those of which the word force alone says that they slide turn where the simulation does."""
+    joints = [one.metadata.joint for one in log.recordings]
+    guessed = {joint for joint in joints if slides_by_force_alone(log.sources[joint])}
+    if simulation is None or not guessed:
+        return log.recordings
+    try:
+        arm = read_arm(simulation, joints, names)
+    except SimulationFileError:  # which is told where they are joined
+        return log.recordings
+    turning = {joint for joint, rotary in zip(joints, arm.rotary, strict=True) if rotary} & guessed
+    if turning:
+        notes.append(
+            f"{path.name}: forces of {', '.join(sorted(turning))} are torques in N·m, since these joints turn."
+        )
+    return tuple(
+        one.with_metadata(motion="rotary", torque_unit="N·m") if one.metadata.joint in turning else one
+        for one in log.recordings
+    )
 
 
 def _name_by_files(

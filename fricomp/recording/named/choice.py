@@ -49,7 +49,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
     Raises:
         RecordingError: A column that was asked for is missing, or two could be the same.
     """
-    candidates = _find_candidates(path, columns, channels)
+    candidates = _drop_shared_words(_find_candidates(path, columns, channels))
     wanted = _choose_joints(candidates)
     chosen = {
         joint: {channel: _choose_one(path, channel, found) for channel, found in own.items()}
@@ -94,6 +94,27 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         own = candidates.setdefault(simplify_joint(meaning.joint), {})
         own.setdefault(meaning.channel, []).append((name, meaning))
     return {joint: own for each in candidates.items() for joint, own in _separate_paths(*each).items()}
+
+
+def _drop_shared_words(candidates: _Candidates) -> _Candidates:
+    """Joints without the words that stand in the names of all of a channel, where no joint is complete with them.
+
+    Beside `q_1` and `q_2`, `motor_torque_1` and `motor_torque_2` are of 1 and 2: what all say tells none from another.
+    """
+    if any(_is_complete(own) for own in candidates.values()):
+        return candidates
+    called: dict[str, list[list[str]]] = {}
+    for joint, own in candidates.items():
+        for channel in own:
+            called.setdefault(channel, []).append(joint.split("_"))
+    shared = {channel: set(names[0]).intersection(*names) for channel, names in called.items() if len(names) > 1}
+    dropped: _Candidates = {}
+    for joint, own in candidates.items():
+        for channel, found in own.items():
+            left = "_".join(word for word in joint.split("_") if word not in shared.get(channel, ()))
+            named = [(name, replace(meaning, joint=left)) for name, meaning in found]
+            dropped.setdefault(left, {}).setdefault(channel, []).extend(named)
+    return dropped if sum(map(_is_complete, dropped.values())) > 1 else candidates
 
 
 def _refuse_repeated(path: Path, known: Mapping[str, ColumnMeaning], channels: Mapping[str, str]) -> None:

@@ -293,9 +293,25 @@ def _is_linear(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
         if meaning.unit not in ("", RAW_UNIT, UNKNOWN_UNIT)
     }
     stated = {channel: find_unit(unit).si for channel, unit in said.items()}
-    if stated.get("position") == "m" or stated.get("velocity") == "m/s" or stated.get("torque") == "N":
+    if stated.get("position") == "m" or stated.get("velocity") == "m/s":
         return True
+    if stated.get("torque") == "N":
+        return not (_says_angle(*own["position"]) and slides_by_force_alone(own))
     return _says_linear(*own["position"])
+
+
+def slides_by_force_alone(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
+    """Whether nothing but the word force says that a joint slides: it may be a generalised one."""
+    column, meaning = own["torque"]
+    others = {channel: one for channel, one in own.items() if channel != "torque"}
+    stated = any(one.unit == "N" for one in find_unit_words(column, -1))
+    return meaning.unit == "N" and not stated and not _is_linear(others)
+
+
+def _says_angle(column: str, meaning: ColumnMeaning) -> bool:
+    """Whether a position is called an angle, or has the unit of one."""
+    words = {word for word, _ in split_words(column)}
+    return bool(words & _TURNS or meaning.unit or find_unit_words(column, -1))
 
 
 def _says_linear(column: str, meaning: ColumnMeaning) -> bool:

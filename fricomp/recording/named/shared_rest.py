@@ -1,4 +1,4 @@
-"""Columns of a joint whose own name holds the word of a quantity: `q_theta1`, `dq_theta1`, `tau_theta1`; `i_elbow`."""
+"""Columns of a joint whose own name says something else: `q_theta1`, `tau_theta1`; `q_A`, `force_A`; `i_elbow`."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from fricomp.recording.quantity_word import WORDS, split_words
+from fricomp.recording.unit_word import kind_of_unit, read_unit
 
 from .column import ColumnMeaning, read_column_name, simplify_joint
 
@@ -14,7 +15,8 @@ _CURRENT = "i"
 
 
 def read_shared_rests(names: Iterable[str]) -> dict[str, ColumnMeaning]:
-    """Meanings of the columns that begin with the words of different quantities, and end alike, in such a word too.
+    """Meanings of the columns that begin with the words of different quantities, and end alike, in such a word too or in
+    the letter of a unit that no position has.
 
     Where a position and a torque or a current end so, what they end in is the name of a joint.
 
@@ -25,9 +27,11 @@ def read_shared_rests(names: Iterable[str]) -> dict[str, ColumnMeaning]:
     for name in names:
         words = split_words(name)
         first = next((k for k, (word, _) in enumerate(words) if word in WORDS), len(words))
-        if first or len(words) < 2 or not any(word in WORDS for word, _ in words[1:]):
+        if first or len(words) < 2:
             continue
         cut = words[1][1][0]
+        if not any(word in WORDS for word, _ in words[1:]) and not _is_letter_of_unit(name[cut:]):
+            continue
         meaning = read_column_name(name[:cut].rstrip("_.:/ "))
         if meaning is not None:
             groups.setdefault(name[cut:], {})[name] = replace(meaning, joint=name[cut:])
@@ -37,6 +41,11 @@ def read_shared_rests(names: Iterable[str]) -> dict[str, ColumnMeaning]:
         if "position" in channels and channels & {"torque", "current"}:
             found |= own
     return found
+
+
+def _is_letter_of_unit(text: str) -> bool:
+    """Whether a text is a capital that is a unit, and none of a position."""
+    return len(text) == 1 and text.isupper() and kind_of_unit(read_unit(text)) not in ("", "position")
 
 
 def read_currents(names: Iterable[str], known: Mapping[str, ColumnMeaning]) -> dict[str, ColumnMeaning]:

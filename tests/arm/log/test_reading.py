@@ -206,3 +206,17 @@ def test_files_are_the_joints_that_the_user_says(tmp_path: Path) -> None:
     names = {"a": "shoulder", "b": "elbow"}
     log = read_arm_log([write_files_of_joints(tmp_path, ("a", "b"))], simulation=write_arm(tmp_path), names=names)
     assert log.is_arm
+
+
+def test_forces_of_joints_that_turn_in_the_simulation_are_torques(tmp_path: Path) -> None:
+    """A generalised force has no unit in its name; one that states N stays a force."""
+    simulation = write_arm(tmp_path)
+    names = ("shoulder", "elbow", "wrist")
+    columns = {"t": TIME} | {f"{name}_position": q for name, q in zip(names, POSITION.T, strict=True)}
+    path = write_csv(tmp_path / "log.csv", columns | {f"{n}_force": u for n, u in zip(names, TORQUE.T, strict=True)})
+    log = read_arm_log([path], simulation=simulation)
+    assert {(one.metadata.motion, one.metadata.torque_unit) for one in log.recordings} == {("rotary", "N·m")}
+    assert any("torques in N·m" in note for note in log.notes)
+    assert {one.metadata.motion for one in read_arm_log([path]).recordings} == {"linear"}
+    path = write_csv(tmp_path / "N.csv", columns | {f"{n}_force_N": u for n, u in zip(names, TORQUE.T, strict=True)})
+    assert {one.metadata.motion for one in read_arm_log([path], simulation=simulation).recordings} == {"linear"}

@@ -252,3 +252,35 @@ def test_an_arm_without_units_whose_joints_would_be_turns_away_is_asked_about(tm
     with pytest.raises(RecordingError, match="states no unit and covers 11"):
         read_content(path, joint="joint_2")
     assert len(read_named_log(path, {"position": "q"}).recordings) == 3
+
+
+@pytest.mark.parametrize(
+    ("moved", "pulled"),
+    [
+        (("q_1", "q_2", "q_3"), ("motor_torque_1", "motor_torque_2", "motor_torque_3")),
+        (("arm_angle1", "arm_angle2", "arm_angle3"), ("tau_m1", "tau_m2", "tau_m3")),
+        (("q_A", "q_B", "q_C"), ("tau_A", "tau_B", "tau_C")),
+        (("angle_A", "angle_V", "angle_X"), ("force_A", "force_V", "force_X")),
+    ],
+)
+def test_what_names_share_or_units_write_alike_tells_whose_a_column_is(
+    tmp_path: Path, moved: tuple[str, ...], pulled: tuple[str, ...]
+) -> None:
+    names = ["t", *moved, *pulled]
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.column_stack([TIME, POSITION, TORQUE]), delimiter=",", header=",".join(names), comments="")
+    recordings = read_named_log(path).recordings
+    assert len(recordings) == 3
+    for one, q, u in zip(recordings, POSITION.T, TORQUE.T, strict=True):
+        assert (one.metadata.motion, one.metadata.torque_unit) == ("rotary", "N·m")
+        np.testing.assert_allclose(one.position, q)
+        np.testing.assert_allclose(one.torque, u)
+
+
+def test_torques_of_motors_and_gears_beside_positions_are_not_taken_for_each_other(tmp_path: Path) -> None:
+    names = ["t", "q_1", "q_2", "motor_torque_1", "motor_torque_2", "gear_torque_1"]
+    path = tmp_path / "log.csv"
+    columns = np.column_stack([TIME, POSITION[:, :2], TORQUE])
+    np.savetxt(path, columns, delimiter=",", header=",".join(names), comments="")
+    with pytest.raises(RecordingError, match="does not say where the torque"):
+        read_named_log(path)
