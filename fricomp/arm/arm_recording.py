@@ -59,7 +59,7 @@ class ArmRecording:
         still: Joints that were recorded and stood still.
         strangers: Joints that were recorded and moved, and that the simulation does not have.
         held: Joints whose rows mostly repeat the one before, at which those rows were left out.
-        frames_instead: Frames of joints that would explain as much as the mounting by which the simulation was corrected.
+        frames_instead: Frames of joints that would explain as much as the mounting that was taken instead.
         turned: Joints whose torques were recorded the other way round; here they are turned.
         degrees: Whether positions were degrees that had been taken for rad; here they are rad.
         placed: Whether positions and velocities said when rows were sampled, since stamps did not.

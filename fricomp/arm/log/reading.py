@@ -128,7 +128,7 @@ def _read_one(
 def _turn_as_simulated(
     path: Path, log: NamedLog, simulation: str | Path | None, names: Mapping[str, str], notes: list[str]
 ) -> tuple[Recording, ...]:
-    """The recordings of a log; those of which the word force alone says that they slide turn where the simulation does."""
+    """The recordings of a log; those that slide by the word force alone turn where they do in the simulation."""
     joints = [one.metadata.joint for one in log.recordings]
     guessed = {joint for joint in joints if slides_by_force_alone(log.sources[joint])}
     if simulation is None or not guessed:
@@ -139,9 +139,7 @@ def _turn_as_simulated(
         return log.recordings
     turning = {joint for joint, rotary in zip(joints, arm.rotary, strict=True) if rotary} & guessed
     if turning:
-        notes.append(
-            f"{path.name}: forces of {', '.join(sorted(turning))} are torques in N·m, since these joints turn."
-        )
+        notes.append(f"{path.name}: forces of {', '.join(sorted(turning))} are torques in N·m: these joints turn.")
     return tuple(
         one.with_metadata(motion="rotary", torque_unit="N·m") if one.metadata.joint in turning else one
         for one in log.recordings

@@ -15,8 +15,8 @@ _CURRENT = "i"
 
 
 def read_shared_rests(names: Iterable[str]) -> dict[str, ColumnMeaning]:
-    """Meanings of the columns that begin with the words of different quantities, and end alike, in such a word too or in
-    the letter of a unit that no position has.
+    """Meanings of the columns that begin with the words of different quantities, and end alike, in such a word too or
+    in the letter of a unit that no position has.
 
     Where a position and a torque or a current end so, what they end in is the name of a joint.
 
