@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fricomp.recording import Recording
 
 _TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
+_ANSWERED = ("torque", "current")  # lone samples that the joint answers stay, the others were left out and told
 _ALIKE = 0.1  # relative difference of two factors that are one
 _USUAL = 0.1  # that a torque signal is off by for other reasons than a gear
 
@@ -42,6 +43,7 @@ def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) 
         where = f"{name}: " if len(read) > 1 else ""
         for finding in check_recording(find_usable_parts(recording).kept):
             told = finding.code in _TOLD or finding.message in said
+            told = told or (finding.code == "spike" and finding.column in _ANSWERED)
             if finding.severity != "note" and not told:
                 found.append(where + finding.caution)
     factor = _common_factor(record)

@@ -162,11 +162,16 @@ def kind_against(recordings: Sequence[Recording], rotary: bool) -> list[str]:
     ]
 
 
-def remarks_on(recordings: Sequence[Recording]) -> list[str]:
-    """What was found in the data and dealt with, or does no harm: in sentences."""
+def remarks_on(recordings: Sequence[Recording], names: Sequence[str] = ("",)) -> list[str]:
+    """What was found in the data and dealt with, or does no harm: in sentences.
+
+    Args:
+        recordings: Usable parts of what was given.
+        names: What each of them is called; of one alone it is not said.
+    """
     remarks = []
-    for i, recording in enumerate(recordings):
-        prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
+    for recording, name in zip(recordings, names, strict=True):
+        prefix = f"{name}: " if len(recordings) > 1 else ""
         # A current has no side.
         if recording.metadata.torque_side == "motor" and recording.metadata.torque_unit in ("N·m", "N"):
             ratio = f"multiplied by the gear ratio {recording.metadata.gear_ratio:.4g}"

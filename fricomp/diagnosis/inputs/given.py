@@ -78,7 +78,7 @@ def read_given(
     if reasons:
         return Given(tuple(recordings), called, reasons=tuple(reasons), data=usable.data)
     called = name_parts(usable.recordings, called)
-    remarks = [*remarks_on(usable.recordings), *usable.remarks]
+    remarks = [*remarks_on(usable.recordings, called), *usable.remarks]
     turned = tuple(one.on_joint_side() for one in usable.recordings)
     remarks += [] if controller is None else check_controller(controller, turned)
     # Inertia is compared only where it is in the unit of the recorded torque.

@@ -16,6 +16,13 @@ _TO_DO: Final[dict[VerdictName, str]] = {
     "unknown_physics": "add no effect, but look at the joint there; friction.json holds what is known.",
     "bad_data": "mend what these sentences name and record or convert anew; no model was written.",
 }
+_KINDS: Final[dict[VerdictName, str]] = {
+    "consistent": "",
+    "parameters": "parameter",
+    "measurement": "measurement",
+    "missing_physics": "physics",
+}
+"""Of the effects that a verdict is about."""
 _UNSURE = " is not named: "
 
 
@@ -37,13 +44,19 @@ def write_summary(
         return (opening, *lead, *facts, to_do)
     careful = (fact for fact in facts if "Careful: " in fact)
     explained = map(_explain, record.effects)
-    lines = (_name_all(opening, record.effects), where, to_do, *lead, *explained, _list_other_changes(record), gain)
+    lines = (_name_all(opening, record), where, to_do, *lead, *explained, _list_other_changes(record), gain)
     return tuple(line for line in (*lines, _doubt(facts), *careful) if line)
 
 
-def _name_all(opening: str, effects: Sequence[NamedEffect]) -> str:
-    names = ", ".join(effect.name for effect in effects)
-    return f"{opening.rstrip('.')}: {names}." if names else opening
+def _name_all(opening: str, record: DiagnosisRecord) -> str:
+    """The opening with the names that it is about, and behind it those that stand beside."""
+    kind = _KINDS.get(record.verdict)
+    own = [effect.name for effect in record.effects if effect.kind == kind]
+    beside = [effect.name for effect in record.effects if effect.kind != kind]
+    if not own and kind is not None:
+        own, beside = beside, []
+    first = f"{opening.rstrip('.')}: {', '.join(own)}." if own else opening
+    return f"{first} Found beside it: {', '.join(beside)}." if beside else first
 
 
 def _explain(effect: NamedEffect) -> str:

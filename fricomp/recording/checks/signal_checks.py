@@ -21,8 +21,13 @@ _STUCK_SHARE = 0.02  # step of a channel over its deviation, above which it may 
 _BEYOND_LAG = 2.0  # usual distances from the reference, that it must move while the position stays
 _WRAP_FACTOR = 10.0  # a wrap is so many times larger than the steps around it
 _JUMP_FACTOR = 30.0
+_LEAST_LEAP = 0.1  # part of the range of all others, below which a lone sample beyond it may be noise or a knock
 _PLACEHOLDERS = 0.2  # part of the rows that hold a number for no value, above which the log is something else
 _SPIKE_FACTOR = 25.0
+_SPIKES_ARE = {
+    "position": "identify and diagnose leave these rows out",
+    "torque": "identify and diagnose leave out those that the joint does not answer by its acceleration",
+}
 
 
 def find_position_step(position: Samples) -> float | None:
@@ -107,12 +112,14 @@ def _stuck_channels(recording: Recording) -> dict[str, list[tuple[int, int]]]:
 
 def find_wraps(recording: Recording) -> tuple[Finding, ...]:
     """Jumps of position: by a turn, by the whole range of a counter, or by anything else."""
-    step = np.where(np.diff(recording.time) > find_gap_length(recording), 0.0, np.diff(recording.position))
+    lone = _find_lone(np.asarray(recording.position))
+    apart = (np.diff(recording.time) > find_gap_length(recording)) | lone[1:] | lone[:-1]
+    step = np.where(apart, 0.0, np.diff(recording.position))
     size = np.abs(step)
     if not size.any():
         return ()
     usual = np.maximum(np.percentile(size[size > 0], 90), _around(size))
-    travel = float(np.ptp(recording.position))
+    travel = float(np.ptp(recording.position[~lone]))
     turn = 2 * np.pi if recording.metadata.motion == "rotary" else np.inf
     near_turn = np.abs(size - turn) < 0.1 * turn
     near_range = size > 0.95 * travel
@@ -144,6 +151,24 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
     return (Finding("jump", "warning", message, "look for lost samples; split there", row + 2, "position"),)
 
 
+def _find_lone(position: Samples) -> NDArray[np.bool_]:
+    """Rows outside the range of all others, to which the position leaps and from which it comes straight back.
+
+    A counter that wraps stays within its range, and one value that stands for none is told as such. Shape (n_samples,).
+    """
+    lone = np.zeros(position.size, dtype=bool)
+    if position.size < _FEW_STEPS:
+        return lone
+    before, after = np.diff(position)[:-1], np.diff(position)[1:]
+    back = (before * after < 0.0) & (np.minimum(np.abs(before), np.abs(after)) > _JUMP_FACTOR * np.abs(before + after))
+    lone[1:-1] = back
+    low, high = np.min(position, where=~lone, initial=np.inf), np.max(position, where=~lone, initial=-np.inf)
+    lone &= (position < low) | (position > high)
+    far = np.abs(position - np.clip(position, low, high))
+    lone &= far > _LEAST_LEAP * (high - low)
+    return lone if np.unique(position[lone]).size == np.count_nonzero(lone) else np.zeros_like(lone)
+
+
 def _find_placeholder(position: Samples, size: float) -> float | None:
     """The one value that all rows far from the usual position have, such as -9999; None where they have several.
 
@@ -163,7 +188,7 @@ def find_spikes(recording: Recording) -> tuple[Finding, ...]:
     found = []
     for name in ("position", "velocity", "torque", "current"):
         values = recording.channels.get(name)
-        if values is None or values.size < 50:
+        if values is None or values.size < 50 or (name == "current" and np.array_equal(values, recording.torque)):
             continue
         middle = np.median(np.stack([values[:-2], values[1:-1], values[2:]]), axis=0)
         excess = np.abs(values[1:-1] - middle)
@@ -174,7 +199,8 @@ def find_spikes(recording: Recording) -> tuple[Finding, ...]:
         if spikes.size:
             row = int(spikes[0]) + 1
             message = f"{spikes.size} single sample(s) far from their neighbours, the first {values[row]:.5g}"
-            found.append(Finding("spike", "warning", message, "remove these rows", row + 1, name))
+            advice = _SPIKES_ARE.get(name, "remove these rows")
+            found.append(Finding("spike", "warning", message, advice, row + 1, name))
     return tuple(found)
 
 

@@ -72,7 +72,8 @@ def _locate_change(recording: Recording, values: Samples) -> tuple[int, float, s
             for factor in (greater, 1.0 / greater):
                 missed = abs(values[k + 1] - factor * values[k])
                 fits = missed <= _NEAR * max(after[k], factor * before[k]) and missed < 0.5 * size[k]
-                if fits and 1.0 / _ALIKE < long_after / (factor * long_before) < _ALIKE:
+                steps = ((long_before, long_after), (_large_step(size[:k]), _large_step(size[k + 1 :])))
+                if fits and all(1.0 / _ALIKE < now / (factor * then) < _ALIKE for then, now in steps):
                     return k + 1, factor, meaning if factor > 1.0 else f"{meaning} and back"
     return None
 
@@ -91,3 +92,8 @@ def _usual_steps(size: Samples) -> tuple[Samples, Samples]:
 def _usual_step(size: Samples) -> float:
     """Mean of the steps that are none of the largest tenth: an encoder makes most of them zero."""
     return float(np.mean(np.sort(size)[: max(1, round(0.9 * size.size))])) + 1e-300
+
+
+def _large_step(size: Samples) -> float:
+    """A step larger than nearly all: those of a joint that comes to rest stay, those of another unit do not."""
+    return float(np.quantile(size, 0.99)) + 1e-300

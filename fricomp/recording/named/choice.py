@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.quantity_word import split_words
 from fricomp.recording.recording import CHANNELS
 from fricomp.recording.unit_word import find_unit_words, unit_for
 from fricomp.recording.validity import Samples
@@ -34,6 +35,12 @@ _Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
 _REPEATED = re.compile(rf"{REPEATED}\d+$")
 INTEGRAL = ""
 """Name of the column of a position that is the integral of the velocity."""
+_WINDING = frozenset(["motor", "rotor", "winding", "coil", "stator", "wicklung"])
+"""Words of a motor's own temperature."""
+_ELSEWHERE = frozenset(
+    ["ambient", "room", "air", "environment", "board", "pcb", "mos", "mosfet", "fet", "driver", "mcu", "cpu"]
+)
+"""Words of a temperature that is none of the motor's."""
 TORQUES = ("torque", "current", "load_torque", "torque_command")
 """What may stand for the torque, in this order."""
 
@@ -50,7 +57,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
         RecordingError: A column that was asked for is missing, or two could be the same.
     """
     candidates = _drop_shared_words(_find_candidates(path, columns, channels))
-    wanted = _choose_joints(candidates)
+    wanted = _with_temperature(candidates, _choose_joints(candidates))
     chosen = {
         joint: {channel: _choose_one(path, channel, found) for channel, found in own.items()}
         for joint, own in wanted.items()
@@ -207,6 +214,22 @@ def _gather(candidates: _Candidates, joint: str) -> dict[str, list[tuple[str, Co
             if other != joint and channel not in candidates[joint]:
                 own[channel] = own.get(channel, []) + found
     return own
+
+
+def _with_temperature(candidates: _Candidates, wanted: _Candidates) -> _Candidates:
+    """The joint with the motor's temperature, where there is one alone: `Motortemperatur`, `temp_c`, `temp_motor`.
+
+    Of several the one that is called as a motor's is meant; that of a room or of electronics says nothing of friction.
+    """
+    if len(wanted) != 1 or any("temperature" in own for own in wanted.values()):
+        return wanted
+    found = [one for own in candidates.values() for one in own.get("temperature", ())]
+    said = [{word for word, _ in split_words(name)} for name, _ in found]
+    warm = [one for one, words in zip(found, said, strict=True) if not words & _ELSEWHERE]
+    own = [one for one, words in zip(found, said, strict=True) if words & _WINDING]
+    ((joint, channels),) = wanted.items()
+    (best,) = own if len(own) == 1 else warm if len(warm) == 1 else (None,)
+    return wanted if best is None else {joint: channels | {"temperature": [best]}}
 
 
 def _choose_one(path: Path, channel: str, found: Sequence[tuple[str, ColumnMeaning]]) -> tuple[str, ColumnMeaning]:

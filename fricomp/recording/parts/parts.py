@@ -160,11 +160,12 @@ def _leave_strays(whole: Recording) -> tuple[Recording, Samples, tuple[LeftOut, 
     others = _tell("rows of another publisher or outliers of position", whole, ~followed.keep)
     whole = _select(whole, followed.keep)
     wild = find_wild_torque(whole)
-    outliers = _tell("rows with an outlier of torque", whole, wild)
-    whole = _select(whole, ~wild)
+    failed = _tell("rows whose reading of torque failed and was logged as 0", whole, wild.failed)
+    outliers = _tell("rows with an outlier of torque", whole, wild.outliers)
+    whole = _select(whole, ~wild.rows)
     stale = find_stale_rows(whole)
     repeats = _tell("rows that repeat the one before while the joint moves", whole, stale)
-    return _select(whole, ~stale), jumps, (others, outliers, repeats)
+    return _select(whole, ~stale), jumps, (others, failed, outliers, repeats)
 
 
 def _leave_rests(whole: Recording) -> tuple[Recording, tuple[str, ...], LeftOut]:

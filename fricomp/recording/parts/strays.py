@@ -10,7 +10,7 @@ from fricomp.recording.recording import Recording
 
 from .kicks import find_answered_kicks
 
-__all__ = ["Continuity", "Wrap", "find_period", "find_wild_torque", "follow_motion", "unwrap_position"]
+__all__ = ["Continuity", "WildTorque", "Wrap", "find_period", "find_wild_torque", "follow_motion", "unwrap_position"]
 
 Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -82,6 +82,23 @@ class Continuity(NamedTuple):
     cuts: NDArray[np.intp]
 
 
+class WildTorque(NamedTuple):
+    """Rows whose torque is none of the joint's.
+
+    Attributes:
+        failed: Those in which a reading failed, and 0 was logged. Shape (n_samples,).
+        outliers: Those whose torque is far from the ones before and after it, which hold together. Shape (n_samples,).
+    """
+
+    failed: Rows
+    outliers: Rows
+
+    @property
+    def rows(self) -> Rows:
+        """Both."""
+        return self.failed | self.outliers
+
+
 def find_period(recording: Recording) -> Wrap | None:
     """The range of a position that wraps round; None where it does not, or jumps by all sorts of distances."""
     step = np.diff(recording.position)
@@ -147,18 +164,16 @@ def follow_motion(recording: Recording) -> Continuity:
     return Continuity(keep, rows[cuts + 1])
 
 
-def find_wild_torque(recording: Recording) -> Rows:
-    """Rows in which a reading of torque failed, or whose torque is far from those before and after it, which hold
-    together. Shape (n_samples,).
-    """
-    wild = _find_failed_readings(np.asarray(recording.torque))
-    if not wild.any():
-        wild = _find_outliers(recording)
-    if not wild.any():
-        return wild
-    rest = np.flatnonzero(~wild)  # others may have stood beside them
-    wild[rest] = find_wild_torque(recording.rows(rest))
-    return wild
+def find_wild_torque(recording: Recording) -> WildTorque:
+    """Rows in which a reading of torque failed, and those whose torque is far from others that hold together."""
+    failed = _find_failed_readings(np.asarray(recording.torque))
+    found = WildTorque(failed, np.zeros_like(failed) if failed.any() else _find_outliers(recording))
+    if not found.rows.any():
+        return found
+    rest = np.flatnonzero(~found.rows)  # others may have stood beside them
+    beside = find_wild_torque(recording.rows(rest))
+    found.failed[rest], found.outliers[rest] = beside
+    return found
 
 
 def _find_outliers(recording: Recording) -> Rows:

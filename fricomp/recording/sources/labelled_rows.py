@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit_word import read_unit
 from fricomp.untrusted import require_filled
 
@@ -23,6 +24,10 @@ _STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
 _FIRST, _LAST = re.compile(rf"^\s*[\[(]?\s*({_STAMP})\s*[\])]?(?=[\s:;,]|$)"), re.compile(r"(?<=\s)(\d+(?:\.\d+)?)\s*$")
 """A number without a label at an end of the line: when it was written."""
 _STAMPS = "log time"
+_OPENS = re.compile(r"\s::\s*$")
+"""End of a frame's line, below which stands what was decoded of it."""
+_OF_TIME = ("s", "sec", "ms", "us", "µs", "ns")
+"""Units behind the number of a time."""
 _FEWEST = 2
 """Labelled numbers in a row: lines of a header have one each."""
 
@@ -37,6 +42,7 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
+    lines = _join_messages(lines)
     labels = [len(_LABELLED.findall(line)) for line in lines[:FIRST_LINES]]
     if sum(count >= _FEWEST for count in labels) < 0.5 * len(labels):
         return None
@@ -48,6 +54,21 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
     return join_rows(rows)
 
 
+def _join_messages(lines: Sequence[str]) -> Sequence[str]:
+    """The lines, with each frame and what was decoded of it in one: cantools prints that below it."""
+    if not any(_OPENS.search(line) for line in lines[:FIRST_LINES]):
+        return lines
+    joined: list[str] = []
+    is_open = False
+    for line in lines:
+        if is_open:
+            joined[-1] += f" {line.strip()}"
+        else:
+            joined.append(line)
+        is_open = not line.rstrip().endswith(")") if is_open else _OPENS.search(line) is not None
+    return joined
+
+
 def join_rows(rows: Sequence[Mapping[str, str]]) -> list[str]:
     """Lines of a table with the names of all rows above them; a row has nothing where it has no such name."""
     names = list(dict.fromkeys(name for row in rows for name in row))
@@ -57,7 +78,8 @@ def join_rows(rows: Sequence[Mapping[str, str]]) -> list[str]:
 
 
 def _name_with_unit(label: str, unit: str) -> str:
-    return f"{label} [{unit}]" if unit and (unit == "%" or read_unit(unit)) else label
+    of_time = unit in _OF_TIME and label.lower() in TIMES
+    return f"{label} [{unit}]" if unit and (unit == "%" or of_time or read_unit(unit)) else label
 
 
 def _read_stamps(lines: Sequence[str]) -> list[str]:

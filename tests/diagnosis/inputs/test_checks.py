@@ -191,6 +191,8 @@ def test_a_scaled_velocity_is_told_and_is_no_lag(good: Recording) -> None:
     (remark,) = remarks_on([doubled])
     assert "2.0" in remark
     assert "times the derivative of position" in remark
+    second = remarks_on([good, doubled], ["log part 1", "log part 2"])
+    assert [one.partition(":")[0] for one in second] == ["log part 2"]
 
 
 def test_the_speed_of_rest_shrinks_with_the_joint_s_own(good: Recording) -> None:

@@ -63,6 +63,16 @@ def test_names_place_and_what_to_do_are_the_first_three_sentences() -> None:
     ]
 
 
+def test_what_the_opening_is_not_about_stands_behind_it() -> None:
+    late = NamedEffect(name="velocity_filter_lag", kind="measurement", parameters={}, sentence="the velocity lags")
+    what = _record(_RIPPLE, late).summary[0]
+    assert what.endswith("recording shows: cogging. Found beside it: velocity_filter_lag.")
+    what = _record(late, verdict="unknown_physics").summary[0]
+    assert what == (
+        "Something is missing that no effect of the catalogue explains. Found beside it: velocity_filter_lag."
+    )
+
+
 @pytest.mark.parametrize(("after", "advised"), [(0.5, True), (1.5, False)])
 def test_nobody_is_told_to_compensate_with_a_model_that_is_worse_on_data_left_out(after: float, advised: bool) -> None:
     before, named, file = (

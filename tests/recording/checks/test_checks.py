@@ -296,6 +296,30 @@ def test_single_wild_samples_are_spikes(make_recording: MakeRecording) -> None:
     assert (finding.row, finding.column) == (701, "torque")
 
 
+def test_positions_far_outside_all_others_are_told_as_such_and_as_no_wrap() -> None:
+    t = np.arange(0.0, 30.0, 0.002)
+    position = 0.9 * np.sin(2.0 * t)
+    for row, far in ((3000, 6.1), (7011, 6.3), (11020, 5.9)):
+        position[row] += far
+    found = _codes(Recording(t, position, np.sign(np.cos(2.0 * t))))
+    assert not found.keys() & {"wrap", "jump"}
+    assert (found["spike"].row, found["spike"].column) == (3001, "position")
+    assert "identify and diagnose leave these rows out" in found["spike"].advice
+    wrapping = np.mod(3.0 * t, 2.0 * np.pi)
+    assert "wrap" in _codes(Recording(t, wrapping, np.ones(t.size)))
+
+
+def test_a_lone_torque_that_stands_for_a_current_as_well_is_told_once(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    torque = recording.torque.copy()
+    torque[700] = 9.0
+    told = [
+        one for one in check_recording(recording.with_channels(torque=torque, current=torque)) if one.code == "spike"
+    ]
+    assert [one.column for one in told] == ["torque"]
+    assert "the joint does not answer" in told[0].advice
+
+
 def test_gap_jitter_and_change_of_rate_are_told_apart(make_recording: MakeRecording) -> None:
     recording = make_recording()
     gap = recording.rows((recording.time < 1.0) | (recording.time > 1.2))

@@ -43,3 +43,16 @@ def test_a_rest_before_a_motion_and_a_quick_one_after_a_slow_one_are_none(seed: 
     for position in (q, q_slow):
         speed = np.gradient(position, t)
         assert _changes(Recording(t, position, 0.3 * np.sign(speed) + 0.1 * speed, velocity=speed)) == []
+
+
+@pytest.mark.parametrize(("seed", "size"), [(1, 1.0), (2, 30.0), (3, 0.01)])
+def test_a_joint_that_comes_to_rest_with_a_few_kicks_of_its_encoder_is_none(seed: int, size: float) -> None:
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 40.0, 0.003)
+    moves = (t < 25.0) | ((t > 30.0) & (t < 30.4))
+    velocity = np.where(moves, np.sin(2.0 * t) + rng.normal(0.0, 0.1, t.size), rng.normal(0.0, 1e-4, t.size))
+    first = int(np.flatnonzero(t > 30.0)[0])
+    velocity[first - 40 : first] = 0.0
+    velocity[first : first + 3] = -0.2, 0.13, -0.15
+    position = np.cumsum(velocity) * 0.003
+    assert _changes(Recording(t, size * position, np.sign(velocity), velocity=size * velocity)) == []

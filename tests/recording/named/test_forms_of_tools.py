@@ -242,3 +242,37 @@ def test_a_column_that_is_chosen_keeps_the_unit_in_its_name(tmp_path: Path) -> N
 def test_the_line_with_the_most_known_words_names_the_columns(above: list[str], tmp_path: Path) -> None:
     recording = read_content(write(tmp_path / "log.txt", above + fill("{t:.6f} {q:.9f} {u:.9f}", POSITION))).recording
     assert recording.torque == pytest.approx(TORQUE, abs=1e-6)
+
+
+def test_what_was_decoded_of_a_frame_may_stand_below_it(tmp_path: Path) -> None:
+    frame = " (17{t:.6f})  can0  141   [8]  92 1A 00 00 FF 10 0A 2B ::\nMotor_State(\n"
+    row = frame + "    Position: {q:.6f} deg,\n    Torque: {u:.6f} Nm,\n    Temp: 31 degC\n)"
+    recording = read_content(write(tmp_path / "decoded.txt", fill(row))).recording
+    np.testing.assert_allclose(recording.position, POSITION, atol=1e-6)
+    np.testing.assert_allclose(recording.torque, TORQUE, atol=1e-6)
+    np.testing.assert_allclose(np.diff(recording.time), 1.0 / RATE, atol=1e-5)
+
+
+def test_the_unit_behind_a_time_is_its_own_where_several_rows_share_a_stamp(tmp_path: Path) -> None:
+    fast = [f"t={k // 2}ms pos={q:.6f}deg cur={u:.6f}A" for k, (q, u) in enumerate(zip(DEGREES, TORQUE, strict=True))]
+    content = read_content(write(tmp_path / "serial.log", fast))
+    assert content.recording.duration == pytest.approx(0.5e-3 * N_ROWS, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("names", "taken"),
+    [
+        ("t,q,tau,temp_c", True),
+        ("t,q,tau,Motortemperatur [°C]", True),
+        ("t,q,tau,ambient_temp", False),
+        ("t,q,tau,temp_mos,temp_motor", True),
+        ("t,q,tau,temp_a,temp_b", False),
+    ],
+)
+def test_the_temperature_of_a_log_of_one_joint_is_its_motors(names: str, taken: bool, tmp_path: Path) -> None:
+    more = [f"{40 + k},{20 + 0.01 * k}" if names.count(",") == 4 else f"{20 + 0.01 * k}" for k in range(N_ROWS)]
+    rows = [f"{row},{own}" for row, own in zip(fill("{t:.6f},{q:.9f},{u:.9f}", POSITION), more, strict=True)]
+    recording = read_content(write(tmp_path / "log.csv", [names, *rows])).recording
+    assert (recording.temperature is not None) == taken
+    if recording.temperature is not None:
+        assert recording.temperature[100] == pytest.approx(21.0)

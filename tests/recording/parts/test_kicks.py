@@ -34,6 +34,6 @@ def test_a_kick_that_the_joint_answers_is_kept_and_one_that_it_does_not_answer_i
     found = remove_spikes(torque, 0.01, np.round(position / step) * step, period)
     np.testing.assert_array_equal(found[kicked : kicked + samples], torque[kicked : kicked + samples])
     assert np.max(np.abs(found - calm)[jumped - 20 : jumped + 20]) < 0.1
-    wild = find_wild_torque(Recording(time=time, position=np.round(position / step) * step, torque=torque))
+    wild = find_wild_torque(Recording(time=time, position=np.round(position / step) * step, torque=torque)).rows
     assert not wild[kicked - 20 : kicked + 20].any()
     assert wild[jumped : jumped + samples].all()

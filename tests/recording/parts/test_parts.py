@@ -168,7 +168,9 @@ def test_torques_of_failed_readings_are_left_out(rate: float, share: float, seed
     log = joint_log(30.0, rate, seed)
     failed = np.random.default_rng(seed).random(len(log)) < share
     usable = find_usable_parts(_with(log, failed, torque=0.0))
-    assert sum(one.rows for one in usable.left_out) == pytest.approx(np.count_nonzero(failed), rel=0.1)
+    (left,) = usable.left_out
+    assert left.reason == "rows whose reading of torque failed and was logged as 0"
+    assert left.rows == pytest.approx(np.count_nonzero(failed), rel=0.1)
     assert not np.any(np.asarray(usable.kept.torque) == 0.0)
     assert not any(one.code == "jitter" for one in check_recording(usable.kept))
 
