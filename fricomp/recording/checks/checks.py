@@ -17,6 +17,7 @@ from fricomp.recording.checks.motion_kind import (
     find_silent_torque,
     find_steps,
 )
+from fricomp.recording.checks.position_unit import find_turns
 from fricomp.recording.checks.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
 from fricomp.recording.checks.timing_checks import (
     find_gaps,
@@ -63,6 +64,7 @@ _CHECKS: tuple[_Check, ...] = (
 )
 _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other things to them
     find_degrees,
+    find_turns,
     find_velocity_mismatch,
     find_flipped_torque,
     find_flipped_reference,

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
 
-__all__ = ["TURN_IN_DEGREES", "Reading", "measure_quantum", "read_at_rest", "snap_period"]
+__all__ = ["ONE_TURN", "TURN_IN_DEGREES", "Reading", "measure_quantum", "read_at_rest", "snap_period"]
 
 Samples = NDArray[np.float64]
 
@@ -20,7 +20,20 @@ _REST_ROWS = 5
 
 TURN_IN_DEGREES = 360.0
 """Range of a position that can only be in degrees: nobody counts to 57.3 turns."""
-_KNOWN_PERIODS = (2.0 * np.pi, 4.0 * np.pi, np.pi, 8.0 * np.pi, 25.0, 1.0, TURN_IN_DEGREES, 4096.0, 16384.0, 65536.0)
+ONE_TURN = 1.0
+"""Range of a position that can only be in turns."""
+_KNOWN_PERIODS = (
+    2.0 * np.pi,
+    4.0 * np.pi,
+    np.pi,
+    8.0 * np.pi,
+    25.0,
+    ONE_TURN,
+    TURN_IN_DEGREES,
+    4096.0,
+    16384.0,
+    65536.0,
+)
 """Ranges of counters in use: turns, the position of MIT mode (±12.5 rad), counts."""
 _NEAR = 0.01
 """Relative distance within which a range that was measured is a known one."""

@@ -3,14 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.quantum import TURN_IN_DEGREES, measure_quantum, read_at_rest, snap_period
+from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES, measure_quantum, read_at_rest, snap_period
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
+from fricomp.recording.encoder_step import find_position_step
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
 Samples = NDArray[np.float64]
 
-_NEAR_LEVELS = 50.0  # steps between two levels within which their number is sure
 _FEW_STEPS = 20  # encoder steps of travel below which only presliding can be seen
 _REST_PART = 0.5  # part of the time at rest that deserves a word
 _STUCK_TIME = 0.25  # [s]
@@ -28,20 +28,6 @@ _SPIKES_ARE = {
     "position": "identify and diagnose leave these rows out",
     "torque": "identify and diagnose leave out those that the joint does not answer by its acceleration",
 }
-
-
-def find_position_step(position: Samples) -> float | None:
-    """Return the step of a quantised position [as position], or None where it is not quantised."""
-    levels = np.unique(position)
-    gaps = np.diff(levels)
-    gaps = gaps[gaps > 1e-9 * max(np.abs(levels).max(), 1e-300)]
-    if gaps.size < 20:
-        return None
-    step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
-    near = gaps[gaps < _NEAR_LEVELS * step]
-    step = float(near.sum() / np.round(near / step).sum())  # numbers written with few decimals round each gap
-    whole = np.abs(gaps / step - np.round(gaps / step)) < 0.02
-    return step if whole.mean() > 0.98 else None
 
 
 def find_rest(recording: Recording) -> tuple[Finding, ...]:
@@ -140,6 +126,10 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
             message = f"position wraps round at 360, {wraps.size} time(s): factor 57.3, it is in degrees"
             advice = 'multiply by π/180 and unwrap it (unit = "deg", unwrap = 6.28319 in a mapping)'
             return (Finding("degrees", "error", message, advice, row + 2, "position"),)
+        if recording.metadata.motion == "rotary" and period == ONE_TURN:
+            message = f"position wraps round at 1, {wraps.size} time(s): factor 6.28, it is in turns"
+            advice = 'multiply by 2π and unwrap it (unit = "turns", unwrap = 6.28319 in a mapping)'
+            return (Finding("turns", "error", message, advice, row + 2, "position"),)
         advice = f"unwrap it (unwrap = {period:.6g} in a mapping)"
         return (Finding("wrap", "error", message, advice, row + 2, "position"),)
     rate = size / np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)  # a gap in time is no jump

@@ -1,15 +1,16 @@
 """Checks of units and signs: degrees, other factors, flipped signs, motor side, temperature."""
 
-from math import log2, log10, pi
+from math import log2, pi
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.motion_kind import find_steps
-from fricomp.recording.checks.signal_checks import find_position_step
+from fricomp.recording.checks.position_unit import reference_slope
 from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.checks.torque_causes import explain_energy
+from fricomp.recording.encoder_step import find_position_step, is_round, is_rounding, shows_radians
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
@@ -24,7 +25,6 @@ _LONGEST_TRAVEL = 20.0  # [m]
 _TOLERANCE = 0.1
 _FEWEST_COUNTS = 50  # whole numbers, and travel, from which on no chance makes them so
 _FEWEST_BLOCKS = 80
-_MOST_COUNTS = 200_000  # counts a turn of an encoder whose step is told by them
 _CLEARLY = 0.25  # part of the squares that another explanation leaves, below which gravity in degrees is the one
 _LIKELY = 0.5  # the same, below which a torque that bends with the position over many turns makes degrees likely
 _LEAST_WORK = 0.1  # part of the work on a closed path that must be friction to tell its sign
@@ -114,7 +114,7 @@ def find_flipped_torque(recording: Recording) -> tuple[Finding, ...]:
 
 def find_flipped_reference(recording: Recording) -> tuple[Finding, ...]:
     """A reference that runs against the position."""
-    slope = _reference_slope(recording)
+    slope = reference_slope(recording)
     if slope is None or slope > -0.5:
         return ()
     message = f"position_reference runs against position (slope {slope:.2f})"
@@ -151,29 +151,9 @@ def _degrees_by_step(recording: Recording) -> str | None:
     if resolution is None and 8 < bits < 27 and abs(bits - round(bits)) < 1e-4:
         return f"position moves in steps of {step:.4g}, which is 360 / 2^{round(bits)}"
     counts = round(360 / step)
-    if resolution is None and _is_round(counts) and abs(counts * step / 360 - 1) < 1e-5 and not _is_rounding(step):
+    if resolution is None and is_round(counts) and abs(counts * step / 360 - 1) < 1e-5 and not is_rounding(step):
         return f"position moves in steps of {step:.4g}, which is 360 / {counts}"
     return None
-
-
-def _shows_radians(recording: Recording) -> bool:
-    """Whether the position moves in steps of an encoder whose turn is 2 pi."""
-    step = find_position_step(recording.position)
-    if step is None or _is_rounding(step):
-        return False
-    counts = round(2 * pi / step)
-    binary = 256 <= counts < 2**27 and counts & (counts - 1) == 0
-    return (binary or _is_round(counts)) and abs(counts * step / (2 * pi) - 1) < 1e-5
-
-
-def _is_round(counts: int) -> bool:
-    """Whether an encoder has so many counts a turn, as far as those in hundreds go."""
-    return 0 < counts <= _MOST_COUNTS and counts % 100 == 0
-
-
-def _is_rounding(step: float) -> bool:
-    """Whether a step is that of numbers written with so many decimals, which may be of anything."""
-    return abs(log10(step) - round(log10(step))) < 1e-6
 
 
 def _degrees_by_limits(recording: Recording) -> str | None:
@@ -189,7 +169,7 @@ def _degrees_by_limits(recording: Recording) -> str | None:
 
 
 def _degrees_by_reference(recording: Recording) -> str | None:
-    slope = _reference_slope(recording)
+    slope = reference_slope(recording)
     if slope is not None and abs(slope / DEGREES - 1) < _TOLERANCE:
         return "position moves 57.3 times as far as position_reference"
     return None
@@ -253,7 +233,7 @@ def _suspect_degrees(recording: Recording) -> tuple[Finding, ...]:
         return ()
     travel = float(np.ptp(recording.position))
     speed = 0.0 if recording.velocity is None else float(np.percentile(np.abs(recording.velocity), 99))
-    if travel <= _LARGEST_TRAVEL or _shows_radians(recording):
+    if travel <= _LARGEST_TRAVEL or shows_radians(recording.position):
         return suspect_degrees_per_second(speed)
     advice = 'multiply by π/180 (unit = "deg" in a mapping); if it is right, state position_limits or continuous: true'
     message = f"position covers {travel:.4g} rad, {travel / 2 / pi:.1f} turns"
@@ -272,18 +252,6 @@ def _find_millimetres(recording: Recording) -> tuple[Finding, ...]:
     message = f"position covers {travel:.4g} m: is it in millimetres?"
     advice = 'multiply by 0.001 (unit = "mm" in a mapping)'
     return (Finding("millimetres_suspected", "warning", message, advice, column="position"),)
-
-
-def _reference_slope(recording: Recording) -> float | None:
-    """Slope of position over its reference, None where they do not move together."""
-    if recording.position_reference is None:
-        return None
-    reference = recording.position_reference - recording.position_reference.mean()
-    position = recording.position - recording.position.mean()
-    energy, other = float(reference @ reference), float(position @ position)
-    if energy == 0 or other == 0 or abs(reference @ position) < 0.9 * np.sqrt(energy * other):
-        return None
-    return float(reference @ position / energy)
 
 
 def _increments(recording: Recording) -> tuple[Samples, Samples] | None:

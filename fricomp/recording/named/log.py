@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.encoder_step import shows_radians
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.quantity_word import split_words
@@ -27,6 +28,7 @@ from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .missing import explain_missing
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
+from .vendor import find_drive_of_turns
 
 _GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
@@ -53,6 +55,10 @@ _SLIDES = frozenset(
 """Words in the position of an axis that slides."""
 _TURNS = frozenset(["angle", "angular", "rotation", "rotary", "winkel", "theta"])
 """Words of one that turns whatever else it is called: an angular displacement."""
+_SURE = 3
+"""Certainty of a column that the user chose, or whose vendor's unit is known."""
+_RADIANS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
+"""Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians."""
 _LONGEST_AXIS = 3.0
 """Travel without a unit, above which it is asked whether such an axis is logged in metres: most are shorter [m]."""
 _FEWEST_COUNTS = 10
@@ -169,7 +175,9 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         recordings.append(recording)
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
     refuse_arm_in_degrees(path, recordings, sources)
+    _ask_turns(path, columns, sources)
     notes.append(_say_columns(path, recordings, sources))
+    notes += _say_missing_unit(path, recordings[0], sources[recordings[0].metadata.joint])
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
 
 
@@ -387,6 +395,41 @@ def _as_si(channel: str, recording: Recording) -> str:
     """The unit of SI that a column without one in its name is taken in."""
     unit = {"position": recording.metadata.position_unit, "torque": recording.metadata.torque_unit}.get(channel)
     return f" as {unit}" if unit else ""
+
+
+def _ask_turns(
+    path: Path, columns: Mapping[str, Samples], sources: Mapping[str, Mapping[str, tuple[str, ColumnMeaning]]]
+) -> None:
+    """Refuse to take for rad what is called as a drive calls its turns.
+
+    Raises:
+        RecordingError: Some position is, and states no unit.
+    """
+    for own in sources.values():
+        column, meaning = own["position"]
+        drive = "" if meaning.unit or meaning.certainty >= _SURE else find_drive_of_turns(column, columns)
+        if drive:
+            raise RecordingError(
+                f"{path}: {column!r} states no unit, and the columns are called as those of {drive}, which writes "
+                f'turns: say position = {{ column = {column!r}, unit = "turns" }} in a mapping, the velocity likewise in '
+                f"\"turns/s\" ('fricomp convert LOG --inspect --out log.toml' begins one), or --channel "
+                f"position={column} where it is in rad"
+            )
+
+
+def _say_missing_unit(path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
+    """What was taken for the unit of a position, where nothing in the log tells it, and what another would do."""
+    column, meaning = own["position"]
+    stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
+    told = (
+        stated or meaning.unit or meaning.certainty >= _SURE or column == INTEGRAL or _RADIANS.search(own["torque"][0])
+    )
+    if told or recording.metadata.motion != "rotary" or shows_radians(recording.position):
+        return []
+    return [
+        f"{path.name}: nothing tells the unit of {column!r}: it was taken as rad. If it is in turns, friction by speed "
+        "and inertia come out 6.28 times too large; if in degrees, 57.3 times too small."
+    ]
 
 
 def _say_columns(

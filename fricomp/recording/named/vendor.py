@@ -63,6 +63,25 @@ _MUJOCO = re.compile(r"(?:^|[./])actuator_force[\[_:.]?(\d*)\]?$")
 """What MuJoCo calls forces and torques of actuators alike."""
 
 
+_MOTEUS_FIELDS = frozenset({"mode", "position", "velocity", "torque"})
+_MOTEUS_OWN = frozenset({"q_current", "d_current", "abs_position", "trajectory_complete", "home_state"})
+"""Fields of a moteus' answer, as its C++ library names them; of the latter some."""
+_ODRIVE_FIELDS = frozenset({"pos_estimate", "vel_estimate"})
+
+
+def find_drive_of_turns(column: str, beside: Iterable[str]) -> str:
+    """The drive whose fields are called as a position and the columns beside it, and are turns; empty where none is.
+
+    Args:
+        column: Of the position, called so without a path.
+        beside: Names of all columns.
+    """
+    names = set(beside)
+    if column == "position" and names >= _MOTEUS_FIELDS and names & _MOTEUS_OWN:
+        return "moteus"
+    return "ODrive" if column == "pos_estimate" and names >= _ODRIVE_FIELDS else ""
+
+
 def read_vendor_name(name: str, beside: Mapping[str, Samples]) -> ColumnMeaning | None:
     """What a column holds whose name says it to those who know the program alone; None of any other.
 

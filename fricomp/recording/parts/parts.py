@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.folded_torque import find_fold, unfold
-from fricomp.recording.checks.quantum import TURN_IN_DEGREES
+from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES
 from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
 from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
 from fricomp.recording.checks.torque_causes import Register, find_register, read_signed
@@ -124,11 +124,11 @@ def find_usable_parts(recording: Recording) -> UsableParts:
 
 
 def _unwrap_position(recording: Recording) -> tuple[Recording, tuple[str, ...]] | None:
-    """The recording with a counter of turns unwrapped, and a sentence on it; None where it counts degrees."""
+    """The recording with a counter of turns unwrapped, and a sentence on it; None where it counts degrees or turns."""
     whole, wrap = unwrap_position(recording)
     if wrap is None:
         return whole, ()
-    if recording.metadata.motion == "rotary" and wrap.period == TURN_IN_DEGREES:
+    if recording.metadata.motion == "rotary" and wrap.period in (ONE_TURN, TURN_IN_DEGREES):
         return None
     unit = recording.metadata.position_unit
     return whole, (f"Position: it wraps round {wrap.times} time(s), and was unwrapped by {wrap.period:.6g} {unit}.",)

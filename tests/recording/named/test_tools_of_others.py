@@ -276,3 +276,36 @@ def test_a_table_without_names_is_refused_with_the_command_that_shows_its_column
     path.write_text("\n".join(rows_of(TIME, POSITION, TORQUE, mark=" ")) + "\n")
     with pytest.raises(RecordingError, match="--inspect' shows them by their numbers"):
         identify_source(path, IdentifySettings())
+
+
+@pytest.mark.parametrize(
+    ("names", "asked"),
+    [
+        ("time,position,velocity,torque,mode,q_current", "moteus"),
+        ("time,pos_estimate,vel_estimate,torque,mode,x", "ODrive"),
+        ("time,position,velocity,torque,mode,fault", ""),
+        ("time,position [rad],velocity,torque,mode,q_current", ""),
+    ],
+)
+def test_columns_that_are_called_as_those_of_a_drive_in_turns_are_asked_about(
+    names: str, asked: str, tmp_path: Path
+) -> None:
+    rows = [f"{t:.6f},{q:.9f},{3 * q:.9f},{u:.9f},10,1" for t, q, u in zip(TIME, POSITION, TORQUE, strict=True)]
+    path = write(tmp_path / "log.csv", names, rows)
+    if not asked:
+        assert read_named_log(path).recordings[0].metadata.position_unit == "rad"
+        return
+    with pytest.raises(RecordingError, match=f"those of {asked}, which writes turns"):
+        read_named_log(path)
+    column = names.split(",")[1]
+    assert len(read_named_log(path, {"position": column}).recordings) == 1
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [("t,q,tau", True), ("t,q_rad,tau", False), ("t,position,effort", False), ("t,angle_deg,torque", False)],
+)
+def test_what_was_taken_for_a_unit_that_nothing_tells_is_said(names: str, told: bool, tmp_path: Path) -> None:
+    rows = [f"{t:.6f},{0.77 * q:.9f},{u:.9f}" for t, q, u in zip(TIME, POSITION, TORQUE, strict=True)]
+    notes = read_named_log(write(tmp_path / "log.csv", names, rows)).notes
+    assert any("nothing tells the unit of" in note and "6.28" in note for note in notes) == told
