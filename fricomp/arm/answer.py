@@ -18,6 +18,7 @@ from .friction import TERMS, JointForm
 from .glance import Glance
 from .identification import ArmIdentification
 from .own_delay import find_own_delay
+from .physics import find_reversed_term
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .uncertainty.scatter import widen_covariance
@@ -35,6 +36,9 @@ whatever they are."""
 _LEAST_FALL_OF_A_GAIN = 0.25
 """The same of the scale of one joint's torque. It is known only by comparison with other joints, so that what is wrong
 with their models looks like it: on a real arm one joint gains a sixth by it. A delay shows in its own joint."""
+
+_Z95 = 1.96
+"""Standard deviations of a 95 % interval to each side."""
 
 _LEAST_SHARE = 0.5
 """Factor on a law that has none, from which it is nearer to the law than to nothing."""
@@ -156,6 +160,13 @@ def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
     return replace(fit.model, forms=tuple(forms))
 
 
+def _drop_empty_lean(fit: ArmFit) -> ArmModel | None:
+    """The model whose gravity does not lean over, where the intervals along both axes hold none; None for no such."""
+    value, spread = fit.lean
+    is_empty = fit.model.tilted and bool(np.all(np.abs(value) < _Z95 * spread))
+    return replace(fit.model, tilted=False) if is_empty else None
+
+
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """Keep the terms that come again in halves of the recording, and measure what they matter on held-out data.
 
@@ -166,8 +177,12 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
     while True:
-        if (less := _drop_empty_form(widen_covariance(fit, equations, rows))) is not None:
+        widened = widen_covariance(fit, equations, rows)
+        if (less := _drop_empty_form(widened) or _drop_empty_lean(widened)) is not None:
             fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
+            continue
+        if (turned := find_reversed_term(fit)) is not None:
+            fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *turned), prior, settled=True)
             continue
         data = ConfirmedData(arm, equations, prior, rows)
         recurrence = data.measure_stability(fit, seed)

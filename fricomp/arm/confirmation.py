@@ -18,7 +18,7 @@ from fricomp.laws import FloatArray
 from .coordinates import ArmModel
 from .equations import ArmEquations, BoolArray, EquationSums
 from .fit import ArmFit, fit_arm
-from .friction import JointForm
+from .friction import PLAIN, JointForm
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
@@ -62,7 +62,8 @@ def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
     """The model without one term of a joint, and without what was held at zero beside it."""
     forms = list(model.forms)
     forms[joint] = forms[joint].without_term(term)
-    return replace(model, forms=tuple(forms), pinned=frozenset(one for one in model.pinned if one[0] != joint))
+    kept = frozenset(one for one in model.pinned if one[0] != joint or one[1] not in PLAIN)
+    return replace(model, forms=tuple(forms), pinned=kept)
 
 
 def without_terms(model: ArmModel, joint: int, terms: Sequence[str]) -> ArmModel:

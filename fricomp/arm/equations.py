@@ -22,12 +22,13 @@ from fricomp.root_mean_square import compute_rms
 from .friction import (
     LEAST_STRIBECK,
     MOST_STRIBECK,
+    STRIBECK_EXPONENTS,
     TERMS,
     Filled,
     column_names,
     find_columns,
-    find_stribeck_exponent,
     friction_columns,
+    list_stribeck_starts,
     load_columns,
     plain_columns,
     ripple_columns,
@@ -88,7 +89,8 @@ class ArmEquations:
         weights: Of the rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
-        stribeck: Stribeck velocities in the columns of each joint [rad/s] or [m/s]. Shape (n_joints, n_variants).
+        stribeck: Stribeck velocities [rad/s] or [m/s] and exponents in the columns of each joint. Shape (n_joints,
+            n_variants, 2).
         gaps: Width [rad], stiffness [N·m/rad] and damping [N·m·s/rad] of the gear in the columns of each joint's gap; a
             width of 0 for none. Shape (n_joints, 3).
     """
@@ -170,16 +172,16 @@ class ArmEquations:
                     filled.columns[i, :, find_reached(self._friction, i, j, len(gaps))] = torques[:, i, j]
         return filled
 
-    def with_stribeck(self, rows: ArmRows, speeds: FloatArray) -> ArmEquations:
-        """The same with curves of these Stribeck velocities, as far as a joint can show them. Shape as `stribeck`."""
+    def with_stribeck(self, rows: ArmRows, curves: FloatArray) -> ArmEquations:
+        """The same with these Stribeck curves, as far as a joint can show them. Shape as `stribeck`."""
         top = self.top_speed[:, None]
-        speeds = np.clip(speeds, LEAST_STRIBECK * top, MOST_STRIBECK * top)
+        speeds = np.clip(curves[:, :, 0], LEAST_STRIBECK * top, MOST_STRIBECK * top)
+        curves = np.stack([speeds, np.clip(curves[:, :, 1], *STRIBECK_EXPONENTS)], axis=2)
         columns, first = self.columns.copy(), self._friction + find_columns("stribeck").start
         size = len(TERMS["stribeck"].columns)
-        for j, k in np.argwhere(speeds != self.stribeck).tolist():
-            curve = stribeck_columns(rows, j, speeds[j, k], find_stribeck_exponent(k))
-            columns[j, :, first + size * k : first + size * (k + 1)] = curve
-        return replace(self, columns=columns, stribeck=speeds)
+        for j, k in np.argwhere(np.any(curves != self.stribeck, axis=2)).tolist():
+            columns[j, :, first + size * k : first + size * (k + 1)] = stribeck_columns(rows, j, *curves[j, k].tolist())
+        return replace(self, columns=columns, stribeck=curves)
 
     def _fill(self, filled: Filled, values: Sequence[FloatArray]) -> ArmEquations:
         columns, place = self.columns.copy(), find_columns(filled)
@@ -284,11 +286,11 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
         one[:, first + place.start : first + place.start + known.shape[1]] = known
     moving = (speed > np.maximum(_SLOW * top, np.minimum(rows.least_speed, _MOST_SLOW * top))).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
-    parts = np.array([part or 0.0 for part in TERMS["stribeck"].values])
-    weights, curves = Weights(moving, noise, np.ones(n)), np.zeros((n, parts.size))
+    starts = list_stribeck_starts()
+    weights, curves = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape))
     bare = ArmEquations(columns, weights, top, np.zeros(n), curves, np.zeros((n, 3)))
     bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
-    return bare if plain else bare.with_stribeck(rows, top[:, None] * parts)
+    return bare if plain else bare.with_stribeck(rows, np.array([starts * (one, 1.0) for one in top]))
 
 
 def _sum_rows(columns: FloatArray, weights: FloatArray) -> FloatArray:

@@ -1,8 +1,9 @@
 """What may act in one joint of an arm, as columns of its equations: linear in all parameters.
 
     F_c s + b + F_v v + D |v|                        every joint
-    (E s + D_e) exp(-|v/v_s|ⁿ)                       Stribeck effect, n = 2 or 1
+    (E s + D_e) exp(-|v/v_s|ⁿ)                       Stribeck effect, n from 2 or 1
     W_s n |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s                  along v_s, which moves until W_s = E δv_s/v_s is next to none
+    -N_s n ln|v/v_s| |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s       along n, which moves likewise
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
@@ -32,13 +33,14 @@ __all__ = [
     "LOWEST_RIPPLE",
     "MOST_STRIBECK",
     "PLAIN",
+    "STRIBECK_EXPONENTS",
     "TERMS",
     "JointForm",
     "JointTerm",
     "column_names",
     "find_columns",
-    "find_stribeck_exponent",
     "friction_columns",
+    "list_stribeck_starts",
     "load_columns",
     "plain_columns",
     "ripple_columns",
@@ -53,9 +55,12 @@ _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
 """Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
 fits best."""
 
-_STRIBECK_EXPONENTS = (2.0, 1.0)
-"""Of the curves, each with all velocities: joints have either [armstrong1994survey]. In slow motion a wrong one turns
-into viscous friction and drag."""
+_STRIBECK_STARTS = (2.0, 1.0)
+"""Exponents of the curves to start from, each with all velocities; the one that is taken moves as its velocity does."""
+
+STRIBECK_EXPONENTS = (0.5, 4.0)
+"""Between which an exponent lies: joints have 0.5 to 2, and lubricated ones a steeper fall [armstrong1994survey]. A
+wrong one turns into viscous friction and drag."""
 
 LEAST_STRIBECK, MOST_STRIBECK = 0.01, 0.6
 """Of a joint's top speed, between which a Stribeck velocity lies: below, no row shows it; above, it is drag."""
@@ -69,6 +74,9 @@ _EXPONENTS = (0.35, 0.5, 0.6, 0.7, 0.8, 0.9)
 
 _ORDERS = (1.0, 2.0)
 """Waves of friction a turn: of a shaft that is off its axis, and of one that is oval."""
+
+_LEAST_RATIO = 1e-9
+"""Of a speed to the Stribeck velocity: a joint at rest has the whole excess."""
 
 LOWEST_RIPPLE = 4.0
 """Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
@@ -138,8 +146,8 @@ TERMS = {
     for term in (
         JointTerm(
             "stribeck",
-            ("excess", "excess_difference", "width"),
-            _STRIBECK * len(_STRIBECK_EXPONENTS),
+            ("excess", "excess_difference", "width", "shape"),
+            _STRIBECK * len(_STRIBECK_STARTS),
             filled="stribeck",
         ),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", angular=True),
@@ -271,19 +279,21 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
     return np.column_stack([plain_columns(rows, joint), rows.compare(build), rows.compare_samples(warm)])
 
 
-def find_stribeck_exponent(variant: int) -> float:
-    """Exponent of the curve in one variant of the Stribeck effect."""
-    return _STRIBECK_EXPONENTS[variant // len(_STRIBECK)]
+def list_stribeck_starts() -> FloatArray:
+    """Stribeck velocity, as part of the top speed, and exponent of each variant's start. Shape (n_variants, 2)."""
+    return np.array([(speed, exponent) for exponent in _STRIBECK_STARTS for speed in _STRIBECK])
 
 
 def stribeck_columns(rows: ArmRows, joint: int, speed: float, exponent: float) -> FloatArray:
-    """The Stribeck curve of one joint at a Stribeck velocity [rad/s] or [m/s]. Shape (n, 3)."""
+    """The Stribeck curve of one joint at a Stribeck velocity [rad/s] or [m/s]. Shape (n, 4)."""
 
     def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
         v = velocity[:, joint]
-        s, power = np.sign(v), np.abs(v / speed) ** exponent
+        s, ratio = np.sign(v), np.maximum(np.abs(v / speed), _LEAST_RATIO)
+        power = ratio**exponent
         fall = np.exp(-power)
-        return np.stack([s * fall, fall, s * exponent * power * fall], axis=1)
+        moved = s * exponent * power * fall
+        return np.stack([s * fall, fall, moved, -np.log(ratio) * moved], axis=1)
 
     return rows.compare(build)
 

@@ -22,7 +22,7 @@ from fricomp.laws import (
 from fricomp.model import FrictionModel, Provenance, Validity
 
 from .arm_recording import find_start_temperature
-from .friction import TERMS, find_stribeck_exponent
+from .friction import STRIBECK_EXPONENTS, TERMS
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
 
@@ -30,7 +30,7 @@ _LEAST_PART = 1e-3
 """Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
 
 _SHIFTS = (-0.4, 0.6)
-"""How far a Stribeck velocity may lie from the one of the columns, as part of it."""
+"""How far a Stribeck velocity, or an exponent, may lie from that of the columns, as part of it."""
 
 _LEAST_VISCOUS = 1e-6
 """[N·m·s/rad] of a joint that has none: its change with the temperature needs a positive one."""
@@ -90,10 +90,10 @@ def _build_curves(
     speed, excess, difference, exponent = 1.0, 0.0, 0.0, 2.0
     if "stribeck" in form:
         names = TERMS["stribeck"].names(form["stribeck"])
-        excess, difference, width = (values[name] for name in names)
-        shift = float(np.clip(width / excess, *_SHIFTS)) if excess > 0.0 else 0.0
-        speed = float(found.equations.stribeck[joint, form["stribeck"]]) * (1.0 + shift)
-        exponent = find_stribeck_exponent(form["stribeck"])
+        excess, difference, *moves = (values[name] for name in names)
+        shifts = np.clip(np.array(moves) / excess, *_SHIFTS) if excess > 0.0 else np.zeros(2)
+        speed, exponent = (found.equations.stribeck[joint, form["stribeck"]] * (1.0 + shifts)).tolist()
+        exponent = float(np.clip(exponent, *STRIBECK_EXPONENTS))
     curves = []
     for sign in (1.0, -1.0):
         coulomb = level + sign * offset

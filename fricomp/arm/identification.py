@@ -32,7 +32,7 @@ from .rows import ArmRows
 from .search.early_torque import EarlyTorques
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
-from .search.stribeck import hold_velocity, is_curve
+from .search.stribeck import hold_curve, is_curve
 from .shared_delay import SharedDelay, measure_delay, measure_seen
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
@@ -41,6 +41,10 @@ Progress = Callable[[str], None]
 
 _DELAY_ROUNDS, _PASSES = 6, 2
 """Of the search for a delay, and of delay and model in turn."""
+
+_HOLD = 0.5
+"""Of a sample's period, by which torques may be ahead of the positions without more: a command acts from its row to the
+next, in the mean half a period after it, and no row is known to be of one instant."""
 
 _ALIKE = 3.0
 """Difference of such logarithms below which two explanations are said to do as well: odds of twenty to one."""
@@ -148,7 +152,8 @@ def _take_off_delay(
 ) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
     """Rows in which the torques are as early as the positions, and the delay that was taken off.
 
-    Torques are not taken to be ahead of the positions where a gear gives way, or joints stick, which looks like it.
+    Torques are not taken to be further ahead of the positions than a held command is where a gear gives way, or joints
+    stick, which looks like it.
     Whether a delay is sure is seen where it stands still: on the way there, each joint shows another part of its own.
 
     Returns:
@@ -159,7 +164,8 @@ def _take_off_delay(
         fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
         more = measure_delay(equations, fit, prior)
         ahead = total + more.value < 0.0
-        if ahead and not EarlyTorques(rows, equations, fit).are_all(total + fit.delay[0]):
+        beyond = total + more.value < -_HOLD * recording.period
+        if beyond and not EarlyTorques(rows, equations, fit).are_all(total + fit.delay[0]):
             return *_move_torques(recording, rows, equations, 0.0), more.move(total, -total), True
         still = abs(more.value) < 0.5 * more.deviation
         moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
@@ -289,7 +295,7 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
         for term in (one for one in TERMS.values() if arm.rotary[j] or not one.angular):
             for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
                 other = _with_form(model, j, form.with_term(term.name, variant))
-                other = hold_velocity(other, j) if term.filled == "stribeck" else other
+                other = hold_curve(other, j) if term.filled == "stribeck" else other
                 yield f"{joint}: {term.name}", other
                 if term.replaces:
                     yield f"{joint}: {term.name}", replace(other, pinned=model.pinned | {(j, n) for n in term.replaces})

@@ -70,6 +70,21 @@ def is_physical(fit: ArmFit, before: ArmFit | None = None, is_early: Callable[[i
     )
 
 
+def find_reversed_term(fit: ArmFit) -> tuple[int, str] | None:
+    """Number of a joint and the name of a term in it whose own parameter came out below zero; None for no such.
+
+    A term that was more than none when it was taken in is turned round where another one has taken its place. What
+    mends the form of another one may be below zero.
+    """
+    alone = {name.partition(".")[0]: name for weights in _POSITIVE for name in weights if "." in name}
+    for j, form in enumerate(fit.model.forms):
+        values = fit.friction(j)
+        for term, variant in form.terms:
+            if term in alone and form.find_head(term) == term and values[f"{alone[term]}.{variant}"] < 0.0:
+                return j, term
+    return None
+
+
 def _is_positive(fit: ArmFit, joint: int, weights: Mapping[str, float]) -> bool:
     """Whether a weighted sum of a joint's parameters is not surely below zero; those that it lacks are none."""
     place, names = fit.find_friction(joint)

@@ -10,11 +10,13 @@ import pytest
 
 from fricomp.arm import ArmExamination, build_friction_model, examine_arm
 from fricomp.arm.confirmation import without_term
-from fricomp.arm.coordinates import ArmModel
+from fricomp.arm.coordinates import ArmModel, Coordinates
 from fricomp.arm.equations import _count_from_reversal
 from fricomp.arm.fit import fit_arm
-from fricomp.arm.friction import JointForm
+from fricomp.arm.friction import JointForm, stribeck_columns
 from fricomp.arm.glance import Glance
+from fricomp.arm.physics import find_reversed_term
+from fricomp.arm.rows import _find_rate
 from fricomp.arm.search.stribeck import is_curve
 from fricomp.arm.uncertainty.averaging import average_friction
 from fricomp.arm.uncertainty.scatter import widen_covariance
@@ -24,6 +26,8 @@ from .moving_arm import record_arm, write_arm
 
 _EXCESS, _SPEED = (0.5, 0.35, 0.12), (0.11, 0.2, 0.45)
 _LEVELS, _SLOPES = (1.2, 0.8, 0.3), (0.6, 0.4, 0.1)
+Bent = tuple[tuple[float, float, float], ArmExamination]
+"""Exponents of the curves, and the answer."""
 
 
 def fall_with_speed(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
@@ -43,9 +47,10 @@ def test_a_stribeck_curve_is_no_effect(curved: ArmExamination) -> None:
 def test_stribeck_velocities_are_found_between_those_that_are_tried(curved: ArmExamination) -> None:
     found = curved.answer.identification
     for joint, speed, excess in zip(range(3), _SPEED, _EXCESS, strict=True):
-        (core,) = (term for term in build_friction_model(found, joint).law.terms)
+        core, *_ = build_friction_model(found, joint).law.terms
         assert isinstance(core, BidirectionalStribeck)
         assert core.forward.stribeck_velocity == pytest.approx(speed, rel=0.15)
+        assert core.forward.stribeck_exponent == pytest.approx(2.0, rel=0.2)
         assert core.forward.static_torque - core.forward.coulomb_torque == pytest.approx(excess, rel=0.2)
 
 
@@ -87,30 +92,32 @@ def test_intervals_hold_the_truth_beside_a_curve_that_is_next_to_none(tmp_path: 
             assert high - low < 0.2 * truth
 
 
-@pytest.fixture(scope="module")
-def exponential(tmp_path_factory: pytest.TempPathFactory) -> ArmExamination:
-    """Curves of the exponent 1, which joints have as well."""
-    simulation = write_arm(tmp_path_factory.mktemp("exponential"))
+@pytest.fixture(scope="module", params=[(1.0, 1.0, 1.0), (3.0, 0.7, 1.4)])
+def bent(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bent:
+    """Curves of other exponents than 2, which joints have as well, and torques with little noise."""
+    simulation = write_arm(tmp_path_factory.mktemp("bent"))
 
     def fall(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
-        return np.asarray(_EXCESS[joint] * np.exp(-np.abs(v) / _SPEED[joint]) * np.sign(v))
+        power = (np.abs(v) / _SPEED[joint]) ** request.param[joint]
+        return np.asarray(_EXCESS[joint] * np.exp(-power) * np.sign(v))
 
-    return examine_arm(record_arm(simulation, fall, duration=20.0), simulation)
+    return request.param, examine_arm(record_arm(simulation, fall, duration=20.0, noise=0.01), simulation)
 
 
 @pytest.mark.slow
-def test_the_exponent_of_a_curve_is_found(exponential: ArmExamination) -> None:
-    for joint, speed in enumerate(_SPEED[:2]):
-        (core,) = build_friction_model(exponential.answer.identification, joint).law.terms
+def test_the_exponent_of_a_curve_is_found(bent: Bent) -> None:
+    exponents, examined = bent
+    for joint, speed, exponent in zip(range(2), _SPEED, exponents, strict=False):
+        (core,) = build_friction_model(examined.answer.identification, joint).law.terms
         assert isinstance(core, BidirectionalStribeck)
-        assert core.forward.stribeck_exponent == 1.0
+        assert core.forward.stribeck_exponent == pytest.approx(exponent, rel=0.15)
         assert core.forward.stribeck_velocity == pytest.approx(speed, rel=0.15)
 
 
 @pytest.mark.slow
-def test_intervals_hold_the_truth_beside_curves_of_another_exponent(exponential: ArmExamination) -> None:
-    """With exponent 2 alone they missed it in most joints, and drag was named."""
-    for joint, level, slope in zip(exponential.record.joints, _LEVELS, _SLOPES, strict=True):
+def test_intervals_hold_the_truth_beside_curves_of_another_exponent(bent: Bent) -> None:
+    """With exponents of 2 and 1 alone they missed it in most joints, and drag was named."""
+    for joint, level, slope in zip(bent[1].record.joints, _LEVELS, _SLOPES, strict=True):
         assert joint.effects == ()
         for name, truth in (("coulomb", level), ("viscous", slope)):
             low, high = joint.friction[name].ci95
@@ -128,6 +135,36 @@ def test_a_curve_that_falls_by_more_than_its_level_is_none(curved: ArmExaminatio
         assert not is_curve(replace(fit, x=x), 0)
 
 
+def test_the_columns_along_which_a_curve_moves_are_its_slopes(curved: ArmExamination) -> None:
+    rows, step = curved.answer.identification.rows, 1e-5
+    for exponent in (0.6, 2.0, 3.5):
+        _, _, along_speed, along_exponent = stribeck_columns(rows, 0, 0.2, exponent).T
+        for slope, faster, steeper in ((along_speed, 1.0 + step, 1.0), (along_exponent, 1.0, 1.0 + step)):
+            there = stribeck_columns(rows, 0, 0.2 * faster, exponent * steeper)[:, 0]
+            back = stribeck_columns(rows, 0, 0.2 / faster, exponent / steeper)[:, 0]
+            np.testing.assert_allclose(slope, (there - back) / (2.0 * step), atol=1e-5)
+
+
+def test_a_rate_keeps_what_is_fast() -> None:
+    """Differences of neighbours lose 6 % of what has ten rows a period."""
+    time = 0.01 * np.arange(400)
+    rate = _find_rate(np.sin(2.0 * np.pi * 10.0 * time)[:, None], 0.01)[20:-20, 0]
+    np.testing.assert_allclose(rate, (20.0 * np.pi * np.cos(20.0 * np.pi * time))[20:-20], atol=0.005 * 20.0 * np.pi)
+
+
+def test_a_term_that_comes_out_below_zero_is_none(curved: ArmExamination) -> None:
+    """Such as drag beside a curve that has taken its place since; a form of another term may be below zero."""
+    fit = curved.answer.identification.fit
+    assert find_reversed_term(fit) is None
+    for terms, turned in ((("quadratic_drag",), "quadratic_drag"), (("power_law_viscous", "quadratic_drag"), None)):
+        form = JointForm(tuple((name, 0) for name in terms))
+        model = ArmModel((form, *(JointForm() for _ in range(2))))
+        x = Coordinates(fit.arm, model).take_over(fit.model, fit.x, np.zeros(Coordinates(fit.arm, model).size))
+        other = replace(fit, model=model, x=x)
+        x[other.find_friction(0)[0].stop - 1] = -0.1
+        assert find_reversed_term(other) == (None if turned is None else (0, turned))
+
+
 def test_a_glance_weighs_a_model_without_what_the_fit_has(curved: ArmExamination) -> None:
     """Links are nearly linear, so that it finds what a fit would."""
     found = curved.answer.identification
@@ -137,7 +174,7 @@ def test_a_glance_weighs_a_model_without_what_the_fit_has(curved: ArmExamination
     loss = fit_arm(found.fit.arm, found.equations, found.fit.model, found.prior, found.fit).log_evidence
     assert loss - fitted.log_evidence > 50.0
     assert glance.measure_gain(less) == pytest.approx(fitted.log_evidence - loss, rel=0.05)
-    np.testing.assert_allclose(glance.solve(less).x, fitted.x, atol=5e-3 * np.abs(fitted.x).max())
+    np.testing.assert_allclose(glance.solve(less).x, fitted.x, atol=1e-2 * np.abs(fitted.x).max())
 
 
 def test_a_glance_solves_what_it_weighs(curved: ArmExamination) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, examine_arm
+from fricomp.arm.answer import _drop_empty_lean
 from fricomp.arm.output.corrected_simulation import correct_simulation
 from fricomp.arm.rigid.regressor import compute_regressor, compute_regressors
 from fricomp.arm.rigid.simulated_arm import read_arm
@@ -54,6 +56,18 @@ def test_the_lean_of_gravity_is_found(leaning: ArmExamination) -> None:
 def test_nothing_is_named_and_no_link_is_off_on_a_leaning_base(leaning: ArmExamination) -> None:
     assert all(joint.effects == () for joint in leaning.record.joints)
     assert all(link.state != "off" for link in leaning.record.links)
+
+
+def test_a_lean_that_may_be_none_along_both_axes_is_none(leaning: ArmExamination) -> None:
+    fit = leaning.answer.identification.fit
+    assert _drop_empty_lean(fit) is None
+    _, spread = fit.lean
+    at = np.arange(fit.x.size)[-4:-2]
+    for sizes, dropped in (((1.5, -1.5), True), ((1.5, -2.5), False)):
+        x = fit.x.copy()
+        x[at] = np.array(sizes) * spread
+        less = _drop_empty_lean(replace(fit, x=x))
+        assert (less is not None and not less.tilted) is dropped
 
 
 def test_the_corrected_simulation_has_that_gravity(leaning: ArmExamination, level: Path, tmp_path: Path) -> None:

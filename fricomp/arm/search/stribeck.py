@@ -1,7 +1,8 @@
-"""The Stribeck curve of each joint: its velocity moves along the slope to where it fits best, its form may change.
+"""The Stribeck curve of each joint: its velocity and exponent move along the slope to where they fit best, and another
+start may lead to a better one.
 
 A curve is taken in before what else acts in a joint is, and then stands in for some of that: one of a wrong exponent,
-or at a wrong velocity, bends Coulomb and viscous friction, and no small step of its velocity leads to the right one.
+or at a wrong velocity, bends Coulomb and viscous friction, and no small step leads to the right one.
 """
 
 from __future__ import annotations
@@ -20,14 +21,17 @@ from ..glance import Glance
 from ..prior import ArmPrior
 from ..rows import ArmRows
 
-_ROUNDS = 6
-"""Of moving all velocities; each leaves about the square of the distance before."""
+_ROUNDS = 12
+"""Of moving all curves; each leaves about the square of the distance before."""
 
 _STEP = 0.5
-"""Longest step of a velocity's logarithm."""
+"""Longest step of the logarithm of a velocity, or of an exponent."""
 
 _STILL = 0.02
-"""Step of a velocity's logarithm below which it stands still."""
+"""Step of such a logarithm below which it stands still."""
+
+_MOVES = slice(2, None)
+"""Of a curve's parameters, those along which it moves."""
 
 _TRIED = 3
 """Other curves that are tried, the most promising first."""
@@ -47,16 +51,24 @@ def refine_stribeck(
         fit: Of these equations.
         prior: How far the simulation is trusted.
     """
-    fit, equations = _move_velocities(rows, equations, fit, prior)
+    fit, equations = _move_curves(rows, equations, fit, prior)
     while True:
         better = _find_better(rows, equations, fit, prior)
         if better is None:
-            return fit, equations
+            return _hold_loose(equations, fit, prior), equations
         fit, equations = better
 
 
-def hold_velocity(model: ArmModel, joint: int) -> ArmModel:
-    """The model in which the Stribeck velocity of a joint stands still.
+def _hold_loose(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmFit:
+    """The fit in which curves that are none where they may move stand still."""
+    model = fit.model
+    for j, form in enumerate(model.forms):
+        model = hold_curve(model, j) if "stribeck" in form.names and not is_curve(fit, j) else model
+    return fit if model == fit.model else fit_arm(fit.arm, equations, model, prior, fit)
+
+
+def hold_curve(model: ArmModel, joint: int) -> ArmModel:
+    """The model in which Stribeck velocity and exponent of a joint stand still.
 
     Free to move it makes a curve of nearly any form, so that forms are told apart by what they are where they stand.
 
@@ -64,26 +76,27 @@ def hold_velocity(model: ArmModel, joint: int) -> ArmModel:
         model: With a curve in this joint.
         joint: Its number.
     """
-    return replace(model, pinned=model.pinned | {(joint, _name_width(model.forms[joint]))})
+    return replace(model, pinned=model.pinned | _name_moves(model.forms[joint], joint))
 
 
-def _name_width(form: JointForm) -> str:
-    return TERMS["stribeck"].names(dict(form.terms)["stribeck"])[-1]
+def _name_moves(form: JointForm, joint: int) -> set[tuple[int, str]]:
+    """The parameters along which the curve of a joint moves."""
+    return {(joint, name) for name in TERMS["stribeck"].names(dict(form.terms)["stribeck"])[_MOVES]}
 
 
-def _free_velocities(model: ArmModel) -> ArmModel:
-    widths = {(j, _name_width(form)) for j, form in enumerate(model.forms) if "stribeck" in form.names}
-    return replace(model, pinned=model.pinned - widths)
+def _free_curves(model: ArmModel) -> ArmModel:
+    curved = [(j, form) for j, form in enumerate(model.forms) if "stribeck" in form.names]
+    return replace(model, pinned=model.pinned.difference(*(_name_moves(form, j) for j, form in curved)))
 
 
 def _find_better(
     rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior
 ) -> tuple[ArmFit, ArmEquations] | None:
-    """The fit with another curve in one joint, which is more probable where its velocity stands; None for none."""
+    """The fit with another curve in one joint, which is more probable where it stands; None for none."""
     others = _list_others(equations, fit, prior)
     now = _weigh_still(equations, fit, prior) if others else 0.0
     for other in others[:_TRIED]:
-        there, moved = _move_velocities(rows, equations, fit_arm(fit.arm, equations, other, prior, fit), prior)
+        there, moved = _move_curves(rows, equations, fit_arm(fit.arm, equations, other, prior, fit), prior)
         if _weigh_still(moved, there, prior) > now + _BETTER:
             return there, moved
     return None
@@ -96,12 +109,12 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
         return []
     glance, gains = Glance(equations, fit, prior), []
     for j, form in curved:
-        now = glance.measure_gain(hold_velocity(fit.model, j))
+        now = glance.measure_gain(hold_curve(fit.model, j))
         for k in range(len(TERMS["stribeck"].values)):
             forms = (*fit.model.forms[:j], form.with_variant("stribeck", k), *fit.model.forms[j + 1 :])
             other = replace(fit.model, forms=forms)
-            gain = glance.measure_gain(other) - now  # its velocity may move, as it will
-            if gain > _BETTER and is_curve(glance.solve(hold_velocity(other, j)), j):
+            gain = glance.measure_gain(other) - now  # it may move, as it will
+            if gain > _BETTER and is_curve(glance.solve(hold_curve(other, j)), j):
                 gains.append((gain, other))
     return [other for _, other in sorted(gains, key=lambda pair: -pair[0])]
 
@@ -110,7 +123,7 @@ def _weigh_still(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> float
     """Logarithm of the evidence of the curves where they stand; nothing where one is none."""
     model = fit.model
     for j, form in enumerate(model.forms):
-        model = hold_velocity(model, j) if "stribeck" in form.names else model
+        model = hold_curve(model, j) if "stribeck" in form.names else model
     still = fit_arm(fit.arm, equations, model, prior, fit)
     falls = (is_curve(still, j) for j, form in enumerate(model.forms) if "stribeck" in form.names)
     return still.log_evidence if all(falls) else -np.inf
@@ -126,31 +139,32 @@ def is_curve(fit: ArmFit, joint: int) -> bool:
     return 0.0 < values[excess] <= values["coulomb"]
 
 
-def _move_velocities(
-    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior
-) -> tuple[ArmFit, ArmEquations]:
-    model = _free_velocities(fit.model)
+def _move_curves(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> tuple[ArmFit, ArmEquations]:
+    """Move all curves to where they are most probable as they stand: their slopes alone fit what no curve does."""
+    model = _free_curves(fit.model)
     fit = fit if model == fit.model else fit_arm(fit.arm, equations, model, prior, fit)
-    step = _find_steps(equations, fit)
+    step, most = _find_steps(equations, fit), None
     for _ in range(_ROUNDS):
         if not np.any(np.abs(step) > _STILL):
             break
+        most = _weigh_still(equations, fit, prior) if most is None else most
         moved = equations.with_stribeck(rows, equations.stribeck * np.exp(step))
         there = fit_arm(fit.arm, moved, fit.model, prior, fit)
-        if there.log_evidence > fit.log_evidence:
-            fit, equations, step = there, moved, _find_steps(moved, there)
+        if (weight := _weigh_still(moved, there, prior)) > most:
+            fit, equations, step, most = there, moved, _find_steps(moved, there), weight
         else:
             step = 0.5 * step
     return fit, equations
 
 
 def _find_steps(equations: ArmEquations, fit: ArmFit) -> FloatArray:
-    """How far the logarithms of the velocities are from where the curves fit best. Shape as `equations.stribeck`."""
+    """How far logarithms of velocities and exponents are from where they fit best. Shape as `equations.stribeck`."""
     steps = np.zeros_like(equations.stribeck)
     for j, form in enumerate(fit.model.forms):
         variant = dict(form.terms).get("stribeck")
         if variant is None:
             continue
-        excess, _, width = (fit.friction(j)[name] for name in TERMS["stribeck"].names(variant))
-        steps[j, variant] = np.clip(width / excess, -_STEP, _STEP) if excess > 0.0 else 0.0
+        excess, _, *moves = (fit.friction(j)[name] for name in TERMS["stribeck"].names(variant))
+        step = np.array(moves) / excess if excess > 0.0 else np.zeros(2)
+        steps[j, variant] = step * min(1.0, _STEP / max(float(np.max(np.abs(step))), _STEP))
     return steps

@@ -29,6 +29,7 @@ from ..friction import PLAIN, TERMS
 from ..glance import Glance
 from ..prior import ArmPrior
 from ..rigid.inertia import N_INERTIA
+from ..search.stribeck import hold_curve
 from .alternatives import Alternatives
 
 __all__ = ["average_friction", "average_links"]
@@ -149,13 +150,13 @@ def _mix_curves(glance: Glance, model: ArmModel, joint: int, wider: float) -> _M
 
 
 def _solve_curves(glance: Glance, model: ArmModel, joint: int) -> Iterator[tuple[ArmFit, int]]:
-    """Fits with each Stribeck velocity in one joint, and the place of the excess; the velocities stand still."""
+    """Fits with each Stribeck curve in one joint, and the place of the excess; the curves stand still."""
     forms, pinned = list(model.forms), frozenset(one for one in model.pinned if one[0] != joint)
     plain = forms[joint].without_term("stribeck")
     for k in range(len(TERMS["stribeck"].values)):
-        excess, _, width = TERMS["stribeck"].names(k)
+        excess = TERMS["stribeck"].names(k)[0]
         forms[joint] = plain.with_term("stribeck", k)
-        one = glance.solve(replace(model, forms=tuple(forms), pinned=pinned | {(joint, width)}))
+        one = glance.solve(hold_curve(replace(model, forms=tuple(forms), pinned=pinned), joint))
         place, names = one.find_friction(joint)
         yield one, place.start + names.index(excess)
 
