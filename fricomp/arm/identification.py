@@ -111,7 +111,7 @@ def identify_arm(
     found = _search(rows, equations, arm, recording, prior, say)
     higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, equations.weights.noise)
     if higher is not None:
-        found = _search(*higher, arm, recording, prior, say)
+        found = _search(*higher, arm, recording, prior, say, found)
     fit, equations = fit_robustly(arm, found.rows, found.equations, found.fit.model, prior, found.fit, settled=True)
     return replace(found, fit=fit, equations=equations)
 
@@ -123,12 +123,21 @@ def _search(
     recording: ArmRecording,
     prior: ArmPrior,
     say: Progress,
+    known: ArmIdentification | None = None,
 ) -> ArmIdentification:
-    """Delay and model in turn, from a plain one."""
+    """Delay and model in turn, from a plain one.
+
+    What is missing shifts the delay that joints ask for, and the more the wider the band is. So the one that is known
+    from another band, beside what was found there, stands until this is found again.
+    """
     model = ArmModel.build_plain(len(arm.joints))
     trials: dict[str, float] = {}
     rivals: dict[str, tuple[str, ...]] = {}
     delay = SharedDelay(0.0, 0.0, {})
+    if known is not None:
+        delay, model = known.delay, replace(model, prompt=known.fit.model.prompt)
+        rows, equations = _move_torques(recording, rows, equations, delay.value)
+        model, _, equations = _take_in(rows, equations, model, prior, trials, rivals, arm)
     for _ in range(_PASSES):
         say("finding the delay of the torques")
         before = model

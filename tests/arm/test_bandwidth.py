@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fricomp.arm.bandwidth import raise_cutoff
+import pytest
+
+from fricomp.arm import identification
+from fricomp.arm.bandwidth import choose_rows, raise_cutoff
 from fricomp.arm.coordinates import ArmModel
-from fricomp.arm.equations import build_equations
+from fricomp.arm.equations import ArmEquations, build_equations
 from fricomp.arm.examination import match_recordings
+from fricomp.arm.fit import ArmFit
 from fricomp.arm.friction import JointForm
 from fricomp.arm.prior import ArmPrior
 from fricomp.arm.robust_fit import fit_robustly
 from fricomp.arm.rows import build_rows
+from fricomp.arm.shared_delay import SharedDelay, measure_delay
 
 from .moving_arm import record_arm, write_arm
 from .test_examination import follow_load
@@ -29,3 +34,25 @@ def test_a_wider_band_is_taken_where_what_was_found_leaves_far_less(tmp_path: Pa
     higher = raise_cutoff(rows, equations, fit, recording, prior, 3.0 * noise)
     assert higher is not None
     assert higher[0].cutoff > 5.0
+
+
+def test_a_delay_stands_in_another_band_until_what_was_found_beside_it_is_found_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Measured beside a plain model, what is missing would move it."""
+    simulation, prior = write_arm(tmp_path), ArmPrior()
+    recordings = record_arm(simulation, follow_load, duration=10.0, rate=100.0, delay=0.004)
+    arm, recording = match_recordings(recordings, simulation)
+    rows, equations = choose_rows(arm, recording, ArmModel.build_plain(3), prior)
+    first = identification._search(rows, equations, arm, recording, prior, lambda _: None)
+    assert first.delay.value == pytest.approx(0.004, abs=5e-4)
+    seen: list[tuple[JointForm, ...]] = []
+
+    def look(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> SharedDelay:
+        seen.append(fit.model.forms)
+        return measure_delay(equations, fit, prior)
+
+    monkeypatch.setattr(identification, "measure_delay", look)
+    again = identification._search(rows, equations, arm, recording, prior, lambda _: None, first)
+    assert any("load_coulomb" in form.names for form in seen[0])
+    assert again.delay.value == pytest.approx(first.delay.value, abs=5e-4)
