@@ -43,7 +43,7 @@ def sort_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tupl
     usual = float(np.median(np.abs(step)))
     order = np.argsort(time, kind="stable")
     paths = [float(np.sum(np.abs(np.diff(one)))) for one in (moved[order], moved)]
-    if np.min(step) < -_LATE * usual or not paths[0] < paths[1]:  # NaN is never less
+    if np.min(step) < -_LATE * usual or not paths[0] <= paths[1]:  # NaN is never less
         return dict(channels), ()
     count = int(np.count_nonzero(step < 0.0))
     message = f"{count} row(s) came after their turn, and were put in the order of their stamps"

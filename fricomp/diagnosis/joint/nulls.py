@@ -108,17 +108,18 @@ class _Chain:
             [self._simulate(index, [_draw_null(*each, noise, rng) for each in part]) for part in parts]
         )
 
-    def _simulate(self, index: int, nulls: Sequence[Track]) -> FloatArray:
-        """Rows of nulls of one recording, from what their sensors show. Shape (n_nulls, n_rows) [N·m]."""
+    def _simulate(self, index: int, nulls: list[Track]) -> FloatArray:
+        """Rows of nulls of one recording, from what their sensors show and is taken away. Shape (n_nulls, n_rows) [N·m]."""
         effect = self.effects[index]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         if not all(np.all(np.isfinite(run.missing)) for run in first):
             raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
-        returning = self.problem.observer.compute_return
-        nulls = [
-            improve_track(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)
-        ]
-        missing = self.problem.compute_missing([Job(null, self.plant, effect) for null in nulls])
+        returning, improved = self.problem.observer.compute_return, list[Track]()
+        for run in first:  # of a long recording all of these are hundreds of megabytes: none is kept for longer
+            null = nulls.pop(0)
+            improved.append(improve_track(null, run, returning(null, self.plant, run)))
+        del first, run, null
+        missing = self.problem.compute_missing([Job(null, self.plant, effect) for null in improved])
         return np.stack([self.problem.grids[index].average(one) for one in missing])
 
 

@@ -18,6 +18,9 @@ from .observer import Contribution, Job, Observation, Observer, Plant, compute_m
 from .rows import RowGrid
 from .settings import JOINT
 
+_SIGNALS = 4
+"""Of a simulation that are held until all at once are done: what effects add, and what it lacks."""
+
 __all__ = ["Problem", "Weights", "build_problem"]
 
 # Torque that effects add along each recording, for their parameters.
@@ -89,7 +92,7 @@ class Problem:
     def count_at_once(self) -> int:
         """Number of simulations of all recordings that are held in memory together."""
         samples = sum(track.size for track in self.tracks)
-        return max(JOINT.threads * LANES[-1], JOINT.most_held // samples)
+        return max(JOINT.threads * LANES[1], JOINT.most_held // (_SIGNALS * samples))
 
     def compute_vectors(
         self, plants: Sequence[Plant], contributions: Iterable[Sequence[Contribution]]
@@ -103,6 +106,7 @@ class Problem:
         pairs, vectors = zip(plants, contributions, strict=True), list[FloatArray]()
         while batch := list(islice(pairs, self.count_at_once)):
             vectors += self._compute_vectors(*zip(*batch, strict=True))
+            batch.clear()  # before the next ones are made
         return vectors
 
     def _compute_vectors(

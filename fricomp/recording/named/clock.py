@@ -197,8 +197,15 @@ def _prefer_even(columns: Mapping[str, Samples], names: list[str]) -> list[str]:
 
 
 def _measure_unevenness(stamps: Samples) -> float:
-    """Usual change from one step of a clock to the next, over the usual step."""
-    step = np.diff(stamps[np.isfinite(stamps)])
+    """Usual change from one step of a clock to the next, over the usual step: of rows as they came, or in its order.
+
+    A computer that receives rows out of turn stamps them in turn all the same; the device's own clock sorts them.
+    """
+    known = stamps[np.isfinite(stamps)]
+    return min(_compare_steps(np.diff(known)), _compare_steps(np.diff(np.sort(known))))
+
+
+def _compare_steps(step: Samples) -> float:
     usual = float(np.mean(step)) if step.size else 0.0
     return float(np.mean(np.minimum(np.abs(np.diff(step)) / usual, 3.0))) if usual > 0.0 and step.size > 1 else np.inf
 

@@ -411,7 +411,7 @@ def _ask_turns(
         if drive:
             raise RecordingError(
                 f"{path}: {column!r} states no unit, and the columns are called as those of {drive}, which writes "
-                f'turns: say position = {{ column = {column!r}, unit = "turns" }} in a mapping, the velocity likewise in '
+                f'turns: say position = {{ column = {column!r}, unit = "turns" }} in a mapping, velocity in '
                 f"\"turns/s\" ('fricomp convert LOG --inspect --out log.toml' begins one), or --channel "
                 f"position={column} where it is in rad"
             )

@@ -78,7 +78,7 @@ def test_memory_bounds_how_many_are_simulated_at_once_and_changes_nothing(monkey
     monkeypatch.setattr(Problem, "compute_missing", count)
     for a, b in zip(whole, simulate(), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
-    assert max(held) <= 32
+    assert max(held) <= 16
 
 
 @pytest.mark.slow

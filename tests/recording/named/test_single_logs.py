@@ -172,6 +172,24 @@ def test_of_two_clocks_the_evener_is_taken_whatever_its_name(tmp_path: Path) -> 
     assert recording.time == pytest.approx(TIME, abs=1e-9)
 
 
+def test_a_device_s_clock_is_taken_though_its_rows_were_received_out_of_turn(tmp_path: Path) -> None:
+    received = TIME + np.random.default_rng(4).uniform(0.0, 4.0 * TIME[1], N_ROWS)
+    turn = np.argsort(received)
+    columns = {"time": TIME[turn], "log_time": received[turn], "q": POSITION[turn], "tau": TORQUE[turn]}
+    (recording,) = read_named_log(write_text(tmp_path / "log.csv", columns)).recordings
+    assert recording.time - recording.time[0] == pytest.approx(TIME, abs=1e-9)
+    assert recording.position == pytest.approx(POSITION, abs=1e-7)
+
+
+def test_a_joint_that_rests_beside_another_is_put_in_order_as_well(tmp_path: Path) -> None:
+    turn = np.argsort(TIME + np.random.default_rng(5).uniform(0.0, 4.0 * TIME[1], N_ROWS))
+    columns = {"t": TIME, "q1": POSITION, "tau1": TORQUE, "q2": np.full(N_ROWS, 0.3), "tau2": 0.1 * TORQUE}
+    path = write_text(tmp_path / "log.csv", {name: values[turn] for name, values in columns.items()})
+    first, second = read_named_log(path).recordings
+    assert len(first) == len(second) == N_ROWS
+    assert read_content(path).recording.metadata.joint == "joint_1"
+
+
 def test_of_two_clocks_that_are_as_even_the_plainest_is_taken(tmp_path: Path) -> None:
     columns = {"time": TIME, "log_time": 2.0 * TIME, "q": POSITION, "tau": TORQUE}
     (recording,) = read_named_log(write_text(tmp_path / "log.csv", columns)).recordings
