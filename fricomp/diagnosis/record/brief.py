@@ -23,6 +23,9 @@ _KINDS: Final[dict[VerdictName, str]] = {
     "missing_physics": "physics",
 }
 """Of the effects that a verdict is about."""
+
+TOO_MUCH_LEFT = "leaves too much unexplained"
+"""Why an explanation that is possible is none."""
 _UNSURE = " is not named: "
 
 
@@ -44,7 +47,8 @@ def write_summary(
         return (opening, *lead, *facts, to_do)
     careful = (fact for fact in facts if "Careful: " in fact)
     explained = map(_explain, record.effects)
-    lines = (_name_all(opening, record), where, to_do, *lead, *explained, _list_other_changes(record), gain)
+    opening, closest = _name_all(opening, record), _tell_closest(record)
+    lines = (opening, where, closest, to_do, *lead, *explained, _list_other_changes(record), gain)
     return tuple(line for line in (*lines, _doubt(facts), *careful) if line)
 
 
@@ -57,6 +61,18 @@ def _name_all(opening: str, record: DiagnosisRecord) -> str:
         own, beside = beside, []
     first = f"{opening.rstrip('.')}: {', '.join(own)}." if own else opening
     return f"{first} Found beside it: {', '.join(beside)}." if beside else first
+
+
+def _tell_closest(record: DiagnosisRecord) -> str:
+    """What of the catalogue comes closest where nothing is named, if it covers more than it leaves."""
+    if record.verdict != "unknown_physics":
+        return ""
+    possible = [one for one in record.rivals if one.refused == TOO_MUCH_LEFT and (one.coverage or 0.0) > 0.5]
+    if not possible:
+        return ""
+    best = max(possible, key=lambda one: one.gain)
+    names = " with ".join(best.effects)
+    return f"Closest comes {names}: it covers {best.coverage:.0%} of what lies above the noise, too little for a name."
 
 
 def _explain(effect: NamedEffect) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from msgspec.structs import replace
 
 from ..evidence.findings import Findings
+from ..record.brief import TOO_MUCH_LEFT
 from ..record.result import NamedEffect, Rival
 from ..record.sentence import FOREIGN_CURVE
 from ..search.explanation import Explanation
@@ -42,7 +43,7 @@ def _explain_refusal(findings: Findings, one: Explanation) -> str:
     if one is findings.trial.failed:
         return "does not make the held-out error fall for sure"
     if chosen is None:
-        return "leaves too much unexplained"
+        return TOO_MUCH_LEFT
     return "another explanation is better or simpler" if one is not chosen else ""
 
 

@@ -7,7 +7,8 @@ import pytest
 from fricomp.cli.diagnose import DiagnosisRun, _print_diagnosis
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
 from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
-from fricomp.diagnosis.record.result import Change
+from fricomp.diagnosis.record.brief import TOO_MUCH_LEFT
+from fricomp.diagnosis.record.result import Change, Rival
 from fricomp.diagnosis.record.sentence import Notes, write_record
 from fricomp.evaluation.result import TorqueError
 
@@ -116,3 +117,21 @@ def test_the_answer_of_two_effects_fits_a_small_terminal(
     assert "sine" not in said
     end = "Verdict: missing_physics. All figures, pictures and remarks: report.html. In runs/why: diagnosis.json\n"
     assert said.endswith(end)
+
+
+def test_what_comes_closest_is_told_where_nothing_is_named_and_it_covers_more_than_it_leaves() -> None:
+    stop, pair = (
+        Rival(effects=names, gain=gain, coverage=coverage, refused=TOO_MUCH_LEFT)
+        for names, gain, coverage in ((("end_stop",), 90.0, 0.4), (("end_stop", "cogging"), 100.0, 0.86))
+    )
+    impossible = Rival(effects=("supply_sag",), gain=200.0, coverage=0.9, refused="the torque would rise")
+
+    def told(verdict: str, *rivals: Rival) -> list[str]:
+        fields = DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict=verdict, rivals=rivals)  # type: ignore[arg-type]
+        return [line for line in write_record(fields, _NONE).summary if "Closest" in line]
+
+    assert told("unknown_physics", impossible, pair, stop) == [
+        "Closest comes end_stop with cogging: it covers 86% of what lies above the noise, too little for a name."
+    ]
+    assert not told("unknown_physics", impossible, stop)
+    assert not told("missing_physics", pair)
