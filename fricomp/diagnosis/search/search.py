@@ -74,13 +74,13 @@ def search(baseline: Baseline) -> SearchResult:
         close += _fit_twins(baseline, best)
         finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        wholes = _select_wholes(tried, choose(baseline, tried, threshold), threshold)
-        for whole in wholes:
-            tried += _fit_parts(baseline, whole)
+        parted: list[Explanation] = []
+        while wholes := _select_wholes(tried, choose(baseline, tried, threshold), threshold, parted):
+            parted += wholes
+            for whole in wholes:  # what is chosen then may be a part, with parts of its own
+                tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
         if best is not None and _list_idle(baseline, best):
-            if all(best is not whole for whole in wholes):
-                tried += _fit_parts(baseline, best)
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))
             best = choose(baseline, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
@@ -124,13 +124,16 @@ def _swap_pairs(baseline: Baseline, tried: Sequence[Explanation], threshold: flo
     return refit(baseline, [((*pair.settled, *third), pair) for pair in others])
 
 
-def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, threshold: float) -> list[Explanation]:
+def _select_wholes(
+    tried: Sequence[Explanation], best: Explanation | None, threshold: float, parted: Sequence[Explanation]
+) -> list[Explanation]:
     """Select what was chosen, and the explanation that leaves least where that is far less: an effect that it lacks may
-    have led it there."""
+    have led it there. Those that were parted are not selected again."""
     if best is None:
         return []
     top = rank_acceptable(tried, threshold)[0]
-    return [best, top] if top.gain > best.gain + SEARCH.clearly_better * threshold else [best]
+    wholes = [best, top] if top.gain > best.gain + SEARCH.clearly_better * threshold else [best]
+    return [one for one in wholes if all(one is not whole for whole in parted)]
 
 
 def _fit_twins(baseline: Baseline, best: Explanation) -> list[Explanation]:
