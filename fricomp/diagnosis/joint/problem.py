@@ -153,11 +153,12 @@ class Problem:
         """No effects."""
         return [Contribution()] * len(self.tracks)
 
-    def cut_samples_for(self, plant: Plant) -> Problem:
-        """Return the same problem with substeps as fine as `plant` needs."""
-        tracks = [
-            replace(track, substeps=_choose_substeps(track, plant, self.observer, self.gains)) for track in self.tracks
-        ]
+    def cut_samples_for(self, *plants: Plant) -> Problem:
+        """Return the same problem with substeps as fine as any of the `plants` needs."""
+        tracks = []
+        for track in self.tracks:
+            needed = [_choose_substeps(track, plant, self.observer, self.gains) for plant in plants]
+            tracks.append(replace(track, substeps=np.max(needed, axis=0)))
         return replace(self, tracks=tuple(tracks))
 
     def improve_velocity(self, plant: Plant, effects: Sequence[Contribution]) -> Problem:

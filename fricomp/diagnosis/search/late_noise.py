@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..effects.structure import N_BASE, Structure
+from ..joint.base import unpack
 from ..joint.base_fit import fit_base
 from .preparation import Baseline, build_structure, weigh_by_nulls
 from .refit import fit_from, rebuild_contexts
@@ -13,8 +14,8 @@ from .settings import SEARCH
 
 
 def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Baseline | None:
-    """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, or is one
-    effect that leaves no more than noise.
+    """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, is one
+    effect that leaves no more than noise, or does not simulate with its noise.
 
     Nulls of the base vary from row to row as the recording does. A torque that is missing and changes within a few
     rows, such as cogging, makes them as loud as itself, and what else is missing is weighed by that, found or not.
@@ -29,7 +30,11 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
         return None
     structure, theta = Structure(rebuild_contexts(baseline, best), best.settled), best.fit.theta
     plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
-    problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
+    try:
+        problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
+    except FloatingPointError:
+        return None
+    problem = problem.cut_samples_for(plant, unpack(baseline.fit.theta))  # without the effects the bristle may be stiff
     fit = fit_base(problem, baseline.fit.theta, baseline.box)
     quieter = replace(baseline, problem=problem, fit=fit, nulls=nulls, recolouring=None)
     (again,) = fit_from(quieter, [(structure, theta[:N_BASE])], best.box)

@@ -275,3 +275,15 @@ def test_a_joint_that_runs_away_in_simulation_is_said_to_and_improves_no_velocit
     assert np.isfinite(problem.improve_velocity(plant, [Contribution()]).tracks[0].velocity).all()
     with pytest.raises(FloatingPointError, match="runs away"):
         problem.improve_velocity(replace(plant, inertia=1e-7 * plant.inertia), [Contribution()])
+
+
+def test_steps_are_as_fine_as_the_stiffest_of_several_plants_needs() -> None:
+    joint = ToyJoint()
+    soft = true_plant(joint)
+    stiff = replace(soft, sigma_0=1e4 * soft.sigma_0)
+    problem = build_problem([track_of(joint, "fourier", 10.0)], soft, Observer())
+    one, other, both = (
+        problem.cut_samples_for(*plants).tracks[0].substeps for plants in ((soft,), (stiff,), (soft, stiff))
+    )
+    assert other.max() > one.max()
+    assert np.array_equal(both, np.maximum(one, other))
