@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 from scipy.signal import lfilter
 
+from fricomp.root_mean_square import compute_rms
+
 from ..inputs.track import FloatArray, Track, differentiate
 from .base import unpack
 from .kernel import LANES
@@ -185,9 +187,14 @@ def improve_track(track: Track, observation: Observation, returning: FloatArray)
         observation: Run of the model along it.
         returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
             that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
+
+    Returns:
+        The track as it was where the model swings by more than the joint moves: a mass that is next to nothing does.
     """
     slope = differentiate(track.position - observation.position, track.dt, JOINT.innovation_window)
-    return replace(track, velocity=observation.velocity + returning + slope)
+    velocity = observation.velocity + returning + slope
+    swings = compute_rms(velocity - track.velocity) > compute_rms(track.velocity)
+    return track if swings else replace(track, velocity=velocity)
 
 
 def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:

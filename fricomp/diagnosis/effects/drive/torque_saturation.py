@@ -56,10 +56,12 @@ class TorqueSaturation(Effect):
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         beyond = np.concatenate([_cut_beyond(context, values["limit"]) for context in contexts])
-        if not np.any(beyond):
-            shares = [values["coefficient"] * context.torque**2 for context in contexts]
-            less = values["coefficient"] > 0.0
-            return refuse_large_loss(shares) if less else "the torque would exceed the recorded one"
+        largest, cut = _find_largest(contexts), bool(np.any(beyond))
+        gained = -values["coefficient"] * min(values["limit"], largest) ** 3
+        if gained >= (self.limit_step * largest if cut else 0.0):
+            return "the torque would exceed the recorded one"
+        if not cut:
+            return refuse_large_loss([values["coefficient"] * context.torque**2 for context in contexts])
         if np.mean(beyond != 0.0) > 1.0 - self.seldom[0]:
             return "most of the recording would lie beyond the limit, where any torque is as good as another"
         position = np.concatenate([context.position for context in contexts])
