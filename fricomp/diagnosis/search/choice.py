@@ -115,6 +115,12 @@ def _weigh(explanation: Explanation) -> float:
 
 
 def select_finalists(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
-    """Select the chosen explanation and the rivals that the last steps could still bring before it."""
-    near = [e for e in accepted if e is not best and e.gain > (1.0 - SEARCH.rival_share) * best.gain]
+    """Select the chosen explanation and the rivals that the last steps could still bring before it: those that gain
+    nearly as much, and those that leave less with no more effects, whose fit did not come to its end."""
+    others = [e for e in accepted if e is not best]
+    near = [e for e in others if e.gain > (1.0 - SEARCH.rival_share) * best.gain or _leaves_less(e, best)]
     return [best, *sorted(near, key=lambda rival: -rival.gain)[: SEARCH.finalists]]
+
+
+def _leaves_less(rival: Explanation, best: Explanation) -> bool:
+    return len(rival.names) <= len(best.names) and rival.left < best.left
