@@ -166,17 +166,20 @@ class Problem:
     def improve_velocity(self, plant: Plant, effects: Sequence[Contribution]) -> Problem:
         """Improve the velocities by simulation: that of the model plus the slope of its slow position error.
 
+        One stays as it is where the model swings by more than the joint moves, as a mass of next to nothing does.
+
         Raises:
             FloatingPointError: The plant runs away in simulation.
         """
         (runs,) = self.observe_all([plant], [effects])
         if not all(np.isfinite(run.position).all() and np.isfinite(run.velocity).all() for run in runs):
             raise FloatingPointError("a joint that the recording hardly determines runs away in simulation")
-        tracks = tuple(
-            improve_track(track, one, self.observer.compute_return(track, plant, one))
-            for track, one in zip(self.tracks, runs, strict=True)
-        )
-        return replace(self, tracks=tracks)
+        tracks = []
+        for track, run in zip(self.tracks, runs, strict=True):
+            improved = improve_track(track, run, self.observer.compute_return(track, plant, run))
+            moves = max(compute_rms(track.velocity), self.observer.rest_speed)
+            tracks.append(track if compute_rms(improved.velocity - track.velocity) > moves else improved)
+        return replace(self, tracks=tuple(tracks))
 
 
 def improve_track(track: Track, observation: Observation, returning: FloatArray) -> Track:
@@ -187,14 +190,9 @@ def improve_track(track: Track, observation: Observation, returning: FloatArray)
         observation: Run of the model along it.
         returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
             that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
-
-    Returns:
-        The track as it was where the model swings by more than the joint moves: a mass that is next to nothing does.
     """
     slope = differentiate(track.position - observation.position, track.dt, JOINT.innovation_window)
-    velocity = observation.velocity + returning + slope
-    swings = compute_rms(velocity - track.velocity) > compute_rms(track.velocity)
-    return track if swings else replace(track, velocity=velocity)
+    return replace(track, velocity=observation.velocity + returning + slope)
 
 
 def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:

@@ -36,3 +36,11 @@ def test_a_limit_that_most_of_the_recording_exceeds_is_none(limit: float, refuse
     motion = cast(Context, SimpleNamespace(recorded=torque, position=np.sin(time)))
     why = EFFECTS["torque_saturation"].refuse({"coefficient": 0.0, "limit": limit}, [motion])
     assert (why is not None and "most of the recording" in why) == refused
+
+
+@pytest.mark.parametrize(("coefficient", "refused"), [(0.01, False), (-0.002, False), (-0.1, True)])
+def test_below_its_limit_no_drive_gives_more_than_is_recorded(coefficient: float, refused: bool) -> None:
+    time = np.arange(0.0, 20.0, 0.01)
+    motion = cast(Context, SimpleNamespace(recorded=1.6 * np.sin(7.0 * time), position=np.sin(time)))
+    why = EFFECTS["torque_saturation"].refuse({"coefficient": coefficient, "limit": 1.4}, [motion])
+    assert why == ("the torque would exceed the recorded one" if refused else None)

@@ -12,7 +12,7 @@ from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, Track
 from fricomp.diagnosis.joint.kernel import _compute_fall
 from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques
-from fricomp.diagnosis.joint.problem import build_problem, improve_track
+from fricomp.diagnosis.joint.problem import Problem, build_problem, improve_track
 from fricomp.diagnosis.joint.weak_form import _bound_curve, estimate_plants
 
 from ..toy_joint import ToyJoint, record
@@ -257,6 +257,18 @@ def test_a_model_pulled_back_to_a_resting_encoder_rests_as_well(creep_velocity: 
     plant = replace(true_plant(ToyJoint()), creep_velocity=creep_velocity)
     velocity = improve_track(track, observation, observer.compute_return(track, plant, observation)).velocity
     assert velocity == pytest.approx(np.full(n, seen), abs=1e-12)
+
+
+def test_a_model_that_swings_by_more_than_the_joint_moves_improves_no_velocity(monkeypatch: pytest.MonkeyPatch) -> None:
+    plant = true_plant(ToyJoint())
+    problem = build_problem([track_of(ToyJoint(), "fourier", 5.0)], plant, Observer())
+    track, nothing = problem.tracks[0], np.zeros(problem.tracks[0].size)
+    swing = 3.0 * float(np.max(np.abs(track.velocity))) * (-1.0) ** np.arange(track.size)
+    for change, kept in ((1e-3, False), (swing, True)):
+        run = Observation(nothing, track.position, track.velocity + change, nothing)
+        monkeypatch.setattr(Problem, "observe_all", lambda self, *_, run=run: [[run]])
+        velocity = problem.improve_velocity(plant, [Contribution()]).tracks[0].velocity
+        assert np.array_equal(velocity, track.velocity) == kept
 
 
 def test_a_moving_model_is_not_pulled_back() -> None:

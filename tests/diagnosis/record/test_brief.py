@@ -6,8 +6,8 @@ import pytest
 
 from fricomp.cli.diagnose import DiagnosisRun, _print_diagnosis
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
-from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
 from fricomp.diagnosis.record.brief import TOO_MUCH_LEFT
+from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
 from fricomp.diagnosis.record.result import Change, Rival
 from fricomp.diagnosis.record.sentence import Notes, write_record
 from fricomp.evaluation.result import TorqueError

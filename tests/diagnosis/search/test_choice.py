@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.search.choice import choose, rank_acceptable
+from fricomp.diagnosis.search.choice import choose, rank_acceptable, select_finalists
 from fricomp.diagnosis.search.explanation import compute_evidence
 from fricomp.diagnosis.search.preparation import Baseline
 
@@ -161,3 +161,11 @@ def test_an_effect_that_is_only_carried_is_not_named() -> None:
 def test_a_ripple_that_grows_with_a_torque_which_hardly_changes_is_one_of_the_torque(gain: float, named: bool) -> None:
     plain, growing = known(("cogging",), 368.0, _QUIET), known(("torque_ripple",), gain, _QUIET)
     assert (choose(_PREPARED, [plain, growing], 50.0) is growing) == named
+
+
+def test_what_leaves_less_than_the_best_with_no_more_effects_may_still_win() -> None:
+    best = known(("torque_ripple",), 1000.0, left=45.0)
+    unfinished = known(("position_coulomb",), 800.0, left=20.0)
+    larger = known(("position_coulomb", "torque_ripple"), 800.0, left=10.0)
+    worse = known(("cogging",), 850.0, left=60.0)
+    assert select_finalists(best, [best, worse, unfinished, larger]) == [best, unfinished]

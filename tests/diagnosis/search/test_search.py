@@ -26,9 +26,10 @@ def test_what_leaves_far_less_than_the_chosen_one_is_taken_apart_too() -> None:
     little = known(("encoder_eccentricity", "spring_torque"), 5100.0)
     far = known(("encoder_eccentricity", "spring_torque", "supply_sag"), 5400.0)
     refused = known(("end_stop", "spring_torque"), 6000.0, refused="the stop would pull outwards")
-    assert _select_wholes([chosen, little, refused], chosen, 30.0) == [chosen]
-    assert _select_wholes([chosen, little, refused, far], chosen, 30.0) == [chosen, far]
-    assert _select_wholes([refused], None, 30.0) == []
+    assert _select_wholes([chosen, little, refused], chosen, 30.0, []) == [chosen]
+    assert _select_wholes([chosen, little, refused, far], chosen, 30.0, []) == [chosen, far]
+    assert _select_wholes([chosen, little, refused, far], chosen, 30.0, [chosen]) == [far]
+    assert _select_wholes([refused], None, 30.0, []) == []
 
 
 def test_effects_that_do_nothing_are_left_out_from_where_their_explanation_ended(
