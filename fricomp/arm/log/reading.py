@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +19,10 @@ from fricomp.recording.named.source import is_bag_folder
 from fricomp.simulation_file import compile_simulation
 
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
+
+_LOOKED_AT = 20_000
+"""Bytes of a text by which it is told whether it holds numbers."""
+_NUMBER = re.compile(rb"\d+(?:[.,]\d+)?")
 
 _Simulated = tuple[str | Path | None, Mapping[str, str]]
 """A simulation, and names in it by names in the log."""
@@ -99,7 +104,8 @@ def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
         path = Path(source)
         if path.is_dir() and not is_bag_folder(path):
             inside = sorted(one for one in path.iterdir() if one.suffix.lower() in _SUFFIXES or is_bag_folder(one))
-            matches = [path] if read_quantity_files(path) else inside
+            logs = [one for one in inside if not _holds_words(one)]
+            matches = [path] if read_quantity_files(path) else logs or inside
         elif any(mark in source for mark in "*?[") and not path.exists():
             matches = sorted(map(Path, glob(source, recursive=True)))
         else:
@@ -108,6 +114,15 @@ def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
             raise RecordingError(f"{source} holds no log: give one of {', '.join(_SUFFIXES)}, or a rosbag2")
         found += matches
     return list(dict.fromkeys(found))
+
+
+def _holds_words(path: Path) -> bool:
+    """Whether a text beside logs, such as a README, has hardly a line with two numbers."""
+    if path.suffix.lower() != ".txt" or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        lines = [line for line in file.read(_LOOKED_AT).split(b"\n") if line.strip()]
+    return 2 * sum(len(_NUMBER.findall(line)) >= 2 for line in lines) < len(lines)
 
 
 def _read_one(

@@ -109,7 +109,7 @@ class _Chain:
         )
 
     def _simulate(self, index: int, nulls: list[Track]) -> FloatArray:
-        """Rows of nulls of one recording, from what their sensors show; it takes them. Shape (n_nulls, n_rows) [N·m]."""
+        """Rows of nulls of one recording, from what their sensors show (taken). Shape (n_nulls, n_rows) [N·m]."""
         effect = self.effects[index]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         if not all(np.all(np.isfinite(run.missing)) for run in first):
