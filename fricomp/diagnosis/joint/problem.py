@@ -163,6 +163,17 @@ class Problem:
             tracks.append(replace(track, substeps=np.max(needed, axis=0)))
         return replace(self, tracks=tuple(tracks))
 
+    def observe_finite(self, plant: Plant, effects: Sequence[Contribution]) -> list[Observation]:
+        """Simulate a plant along every recording.
+
+        Raises:
+            FloatingPointError: The plant runs away in simulation.
+        """
+        (runs,) = self.observe_all([plant], [effects])
+        if not all(np.isfinite(run.position).all() and np.isfinite(run.velocity).all() for run in runs):
+            raise FloatingPointError("a joint that the recording hardly determines runs away in simulation")
+        return runs
+
     def improve_velocity(self, plant: Plant, effects: Sequence[Contribution]) -> Problem:
         """Improve the velocities by simulation: that of the model plus the slope of its slow position error.
 
@@ -171,11 +182,8 @@ class Problem:
         Raises:
             FloatingPointError: The plant runs away in simulation.
         """
-        (runs,) = self.observe_all([plant], [effects])
-        if not all(np.isfinite(run.position).all() and np.isfinite(run.velocity).all() for run in runs):
-            raise FloatingPointError("a joint that the recording hardly determines runs away in simulation")
         tracks = []
-        for track, run in zip(self.tracks, runs, strict=True):
+        for track, run in zip(self.tracks, self.observe_finite(plant, effects), strict=True):
             improved = improve_track(track, run, self.observer.compute_return(track, plant, run))
             moves = max(compute_rms(track.velocity), self.observer.rest_speed)
             tracks.append(track if compute_rms(improved.velocity - track.velocity) > moves else improved)

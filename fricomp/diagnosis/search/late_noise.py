@@ -7,6 +7,7 @@ from dataclasses import replace
 from ..effects.structure import N_BASE, Structure
 from ..joint.base import unpack
 from ..joint.base_fit import fit_base
+from .explanation import Explanation
 from .preparation import Baseline, build_structure, weigh_by_nulls
 from .refit import fit_from, rebuild_contexts
 from .search import SearchResult
@@ -28,12 +29,16 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
     best = found.best
     if best is None or baseline.measure_typical_loudness(best.fit) > SEARCH.quieter:
         return None
-    structure, theta = Structure(rebuild_contexts(baseline, best), best.settled), best.fit.theta
-    plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
     try:
-        problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
+        return _measure_beside(baseline, best, seed)
     except FloatingPointError:
         return None
+
+
+def _measure_beside(baseline: Baseline, best: Explanation, seed: int) -> Baseline | None:
+    structure, theta = Structure(rebuild_contexts(baseline, best), best.settled), best.fit.theta
+    plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
+    problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
     problem = problem.cut_samples_for(plant, unpack(baseline.fit.theta))  # without the effects the bristle may be stiff
     fit = fit_base(problem, baseline.fit.theta, baseline.box)
     quieter = replace(baseline, problem=problem, fit=fit, nulls=nulls, recolouring=None)

@@ -300,9 +300,13 @@ def weigh_by_nulls(
 
 
 def build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:
-    """Build the base alone, with its motion and the starts of effects that show in what it leaves."""
+    """Build the base alone, with its motion and the starts of effects that show in what it leaves.
+
+    Raises:
+        FloatingPointError: The base runs away in simulation.
+    """
     plant = unpack(fit.theta)
-    runs = problem.observe_all([plant], [[Contribution()] * len(problem.tracks)])[0]
+    runs = problem.observe_finite(plant, [Contribution()] * len(problem.tracks))
     contexts = build_contexts(problem, plant, runs, {})
     basis = orthonormalise(fit.jacobian)
     hints = find_orders(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)

@@ -17,6 +17,7 @@ from fricomp.diagnosis.search.refit import fit_from
 from fricomp.diagnosis.search.search import search
 from fricomp.diagnosis.search.settings import SEARCH
 
+from ..known import known_baseline, known_fit, known_search
 from ..toy_joint import ToyJoint, recording
 
 _DETENT = (0.9, 50.0)
@@ -58,3 +59,15 @@ def test_two_effects_are_weighed_by_the_noise_beside_them_however_little_is_left
     quieter = remeasure_noise(rippled, replace(found, best=pair), seed=0)
     assert quieter is not None
     assert _measure_noise(quieter) < 0.2 * _measure_noise(rippled)
+
+
+def test_the_noise_stays_where_a_joint_does_not_simulate_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run_away(*_: object) -> None:
+        raise FloatingPointError("runs away")
+
+    monkeypatch.setattr(late_noise, "rebuild_contexts", lambda _, one: one.structure.contexts)
+    monkeypatch.setattr(late_noise, "weigh_by_nulls", run_away)
+    monkeypatch.setattr(Baseline, "measure_typical_loudness", lambda *_: 0.0)
+    baseline = known_baseline()
+    best = known_fit(baseline, ("cogging",), 900.0)
+    assert remeasure_noise(baseline, known_search(best), seed=0) is None
