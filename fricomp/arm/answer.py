@@ -19,6 +19,7 @@ from .glance import Glance
 from .identification import ArmIdentification
 from .own_delay import find_own_delay
 from .physics import find_reversed_term
+from .prior import ArmPrior
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .uncertainty.scatter import widen_covariance
@@ -39,6 +40,9 @@ with their models looks like it: on a real arm one joint gains a sixth by it. A 
 
 _Z95 = 1.96
 """Standard deviations of a 95 % interval to each side."""
+
+_MOST_GAIN = 3.5
+"""Prior deviations by which a gain of all torques may be off: by more, it is the unit of the torques, or no gain."""
 
 _LEAST_SHARE = 0.5
 """Factor on a law that has none, from which it is nearer to the law than to nothing."""
@@ -167,6 +171,15 @@ def _drop_empty_lean(fit: ArmFit) -> ArmModel | None:
     return replace(fit.model, tilted=False) if is_empty else None
 
 
+def _drop_far_gain(fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
+    """The model without a gain of all torques that is further off than it may be; None for no such.
+
+    With all links at once it takes the place of what was not found yet when it was taken in.
+    """
+    is_far = fit.model.gain and abs(fit.gain[0] - 1.0) > _MOST_GAIN * prior.gain
+    return replace(fit.model, gain=False) if is_far else None
+
+
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """Keep the terms that come again in halves of the recording, and measure what they matter on held-out data.
 
@@ -178,7 +191,8 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     fit, equations = found.fit, found.equations
     while True:
         widened = widen_covariance(fit, equations, rows)
-        if (less := _drop_empty_form(widened) or _drop_empty_lean(widened)) is not None:
+        less = _drop_empty_form(widened) or _drop_empty_lean(widened) or _drop_far_gain(fit, prior)
+        if less is not None:
             fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
             continue
         if (turned := find_reversed_term(fit)) is not None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, examine_arm
-from fricomp.arm.answer import _drop_empty_lean
+from fricomp.arm.answer import _drop_empty_lean, _drop_far_gain
 from fricomp.arm.output.corrected_simulation import correct_simulation
 from fricomp.arm.rigid.regressor import compute_regressor, compute_regressors
 from fricomp.arm.rigid.simulated_arm import read_arm
@@ -68,6 +68,17 @@ def test_a_lean_that_may_be_none_along_both_axes_is_none(leaning: ArmExamination
         x[at] = np.array(sizes) * spread
         less = _drop_empty_lean(replace(fit, x=x))
         assert (less is not None and not less.tilted) is dropped
+
+
+def test_a_gain_of_all_torques_that_is_far_off_is_none(leaning: ArmExamination) -> None:
+    """It stands for what was not found yet when it was taken in."""
+    found = leaning.answer.identification
+    for gain, dropped in ((1.7, True), (0.2, False)):
+        x = found.fit.x.copy()
+        x[-1] = gain
+        less = _drop_far_gain(replace(found.fit, x=x, model=replace(found.fit.model, gain=True)), found.prior)
+        assert (less is not None and not less.gain) is dropped
+    assert _drop_far_gain(found.fit, found.prior) is None
 
 
 def test_the_corrected_simulation_has_that_gravity(leaning: ArmExamination, level: Path, tmp_path: Path) -> None:
