@@ -38,8 +38,8 @@ def sort_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tupl
     """
     time, moved = channels["time"], channels.get("position", channels.get("velocity"))
     step = np.diff(time)
-    if moved is None or moved.size != time.size or not np.any(step < 0.0):
-        return dict(channels), ()
+    if moved is None or moved.size != time.size or not np.any(step < 0.0) or np.all(step <= 0.0):
+        return dict(channels), ()  # rows that all run backwards are none that came late
     usual = float(np.median(np.abs(step)))
     order = np.argsort(time, kind="stable")
     paths = [float(np.sum(np.abs(np.diff(one)))) for one in (moved[order], moved)]

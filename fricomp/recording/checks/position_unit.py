@@ -5,9 +5,9 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.encoder_step import find_position_step, is_rounding
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
+from fricomp.recording.unit import find_position_step, is_rounding
 
 __all__ = ["find_turns", "reference_slope"]
 

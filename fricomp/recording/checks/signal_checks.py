@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES, measure_quantum, read_at_rest, snap_period
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
-from fricomp.recording.encoder_step import find_position_step
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
+from fricomp.recording.unit import find_position_step
 
 Samples = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from fricomp.recording.checks.motion_kind import find_steps
 from fricomp.recording.checks.position_unit import reference_slope
 from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.checks.torque_causes import explain_energy
-from fricomp.recording.encoder_step import find_position_step, is_round, is_rounding, shows_radians
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
+from fricomp.recording.unit import find_position_step, is_round, is_rounding, shows_radians
 
 Samples = NDArray[np.float64]
 

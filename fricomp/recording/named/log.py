@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.recording.encoder_step import shows_radians
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.quantity_word import split_words
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import spread_held, with_row_rate
-from fricomp.recording.unit import find_unit
+from fricomp.recording.unit import find_unit, shows_radians
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
@@ -418,12 +417,14 @@ def _ask_turns(
 
 
 def _say_missing_unit(path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
-    """What was taken for the unit of a position, where nothing in the log tells it, and what another would do."""
+    """What was taken for the unit of a position, where nothing in the log tells it, and what another would do.
+
+    A column that is called as the channel is of a recording of our own, in radians.
+    """
     column, meaning = own["position"]
     stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
-    told = (
-        stated or meaning.unit or meaning.certainty >= _SURE or column == INTEGRAL or _RADIANS.search(own["torque"][0])
-    )
+    ours = column == INTEGRAL or (column == "position" and own["torque"][0] == "torque")
+    told = stated or meaning.unit or meaning.certainty >= _SURE or ours or _RADIANS.search(own["torque"][0])
     if told or recording.metadata.motion != "rotary" or shows_radians(recording.position):
         return []
     return [
