@@ -13,7 +13,7 @@ from fricomp.root_mean_square import compute_rms
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
 from .coordinates import ArmModel
-from .fit import ArmFit
+from .fit import Z95, ArmFit
 from .friction import TERMS, JointForm
 from .glance import Glance
 from .identification import ArmIdentification
@@ -37,9 +37,6 @@ whatever they are."""
 _LEAST_FALL_OF_A_GAIN = 0.25
 """The same of the scale of one joint's torque. It is known only by comparison with other joints, so that what is wrong
 with their models looks like it: on a real arm one joint gains a sixth by it. A delay shows in its own joint."""
-
-_Z95 = 1.96
-"""Standard deviations of a 95 % interval to each side."""
 
 _MOST_GAIN = 3.5
 """Prior deviations by which a gain of all torques may be off: by more, it is the unit of the torques, or no gain."""
@@ -167,7 +164,7 @@ def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
 def _drop_empty_lean(fit: ArmFit) -> ArmModel | None:
     """The model whose gravity does not lean over, where the intervals along both axes hold none; None for no such."""
     value, spread = fit.lean
-    is_empty = fit.model.tilted and bool(np.all(np.abs(value) < _Z95 * spread))
+    is_empty = fit.model.tilted and bool(np.all(np.abs(value) < Z95 * spread))
     return replace(fit.model, tilted=False) if is_empty else None
 
 
@@ -178,6 +175,12 @@ def _drop_far_gain(fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
     """
     is_far = fit.model.gain and abs(fit.gain[0] - 1.0) > _MOST_GAIN * prior.gain
     return replace(fit.model, gain=False) if is_far else None
+
+
+def _drop_reversed_term(fit: ArmFit) -> ArmModel | None:
+    """The model without a term that came out turned round; None for no such."""
+    turned = find_reversed_term(fit)
+    return None if turned is None else without_term(fit.model, *turned)
 
 
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
@@ -191,12 +194,14 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     fit, equations = found.fit, found.equations
     while True:
         widened = widen_covariance(fit, equations, rows)
-        less = _drop_empty_form(widened) or _drop_empty_lean(widened) or _drop_far_gain(fit, prior)
+        less = (
+            _drop_empty_form(widened)
+            or _drop_empty_lean(widened)
+            or _drop_far_gain(fit, prior)
+            or _drop_reversed_term(fit)
+        )
         if less is not None:
             fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
-            continue
-        if (turned := find_reversed_term(fit)) is not None:
-            fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *turned), prior, settled=True)
             continue
         data = ConfirmedData(arm, equations, prior, rows)
         recurrence = data.measure_stability(fit, seed)
@@ -212,8 +217,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         heads = {(j, name): fit.model.forms[j].find_head(name) == name for j, name in evidence}
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, named=heads[key])}
         if not weak:
-            fit = widen_covariance(fit, equations, rows)
-            final = replace(found, fit=fit, equations=equations)
+            final = replace(found, fit=widened, equations=equations)
             return ArmAnswer(final, evidence, errors, tuple(find_own_delay(final, j) for j in range(len(arm.joints))))
         weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
         fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior, settled=True)

@@ -16,7 +16,7 @@ from .answer import ArmAnswer, TermEvidence
 from .brief import list_doubts, say_corrections, say_shared_causes, say_tilt, say_unexplained, say_what, write_summary
 from .elasticity import measure_stiffness
 from .equations import BoolArray
-from .fit import ArmFit
+from .fit import Z95, ArmFit
 from .friction import TERMS
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
@@ -26,7 +26,6 @@ from .shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 
-_Z95 = 1.96
 _DETERMINED = 0.5
 """A link's mass counts as determined where the recording at least halves what was uncertain before."""
 
@@ -100,7 +99,7 @@ def _describe_tilt(fit: ArmFit) -> dict[str, Quantity]:
 
 
 def _quantity(value: float, deviation: float, unit: str) -> Quantity:
-    return Quantity(float(value), unit, (float(value - _Z95 * deviation), float(value + _Z95 * deviation)))
+    return Quantity(float(value), unit, (float(value - Z95 * deviation), float(value + Z95 * deviation)))
 
 
 def _describe_joint(
@@ -206,7 +205,7 @@ def _describe_link(answer: ArmAnswer, link: int, intervals: FloatArray) -> LinkR
     slope = fit.arm.link_coordinates[link].jacobian(fit.x[at])
     before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
     value, simulated = fit.inertia[link], fit.arm.inertia[link]
-    spread = (intervals[:, 1] - intervals[:, 0]) / (2.0 * _Z95)
+    spread = (intervals[:, 1] - intervals[:, 0]) / (2.0 * Z95)
     determined = spread < _DETERMINED * before[:4]
     ends = [(float(low), float(high)) for low, high in intervals]
     return LinkRecord(

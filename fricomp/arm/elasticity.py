@@ -12,10 +12,10 @@ import numpy as np
 
 from fricomp.diagnosis.record.result import Quantity
 
+from .fit import Z95
 from .identification import ArmIdentification
 
 _BLOCKS = 8
-_Z95 = 1.96
 
 _SEEN = 4.0
 """Standard deviations by which a gear must give way: an encoder that is off by a count shows less."""
@@ -43,7 +43,7 @@ def measure_stiffness(found: ArmIdentification, joint: int) -> Quantity | None:
     deviation = float(np.sqrt((_BLOCKS - 1) * np.var(parts)))
     if not whole > _SEEN * deviation:
         return None
-    low, high = 1.0 / (whole + _Z95 * deviation), 1.0 / (whole - _Z95 * deviation)
+    low, high = 1.0 / (whole + Z95 * deviation), 1.0 / (whole - Z95 * deviation)
     metadata = recording.metadata
     return Quantity(1.0 / whole, f"{metadata.torque_unit}/{metadata.position_unit}", (low, high))
 

@@ -22,6 +22,9 @@ from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
 
+Z95 = 1.96
+"""Standard deviations of a 95 % interval to each side."""
+
 _CONVERGED = 1e-8
 """Fall of the objective in a step, as part of it, below which the fit stands still."""
 

@@ -20,10 +20,10 @@ from .observer import Contribution, Job, Observation, Observer, Plant, compute_m
 from .rows import RowGrid
 from .settings import JOINT
 
+__all__ = ["Problem", "Weights", "build_problem"]
+
 _SIGNALS = 4
 """Of a simulation that are held until all at once are done: what effects add, and what it lacks."""
-
-__all__ = ["Problem", "Weights", "build_problem"]
 
 # Torque that effects add along each recording, for their parameters.
 Effects = Callable[[FloatArray], list[Contribution]]
