@@ -30,6 +30,8 @@ class InputSettings:
     """Noise of a torque without visible noise, in its own deviation."""
     rounding: float = 1.0 / sqrt(12.0)
     """Standard deviation of a rounded value, in steps: that of a uniform distribution."""
+    exact_position: float = 1e-12
+    """Least noise of a position: what its numbers are rounded to [rad] or [m]."""
     own_noise: float = 2.0
     """Rounding errors of the encoder from which a position has noise of its own."""
     velocity_window: float = 0.021

@@ -87,7 +87,7 @@ class Track:
         torque: Recorded torque [N·m], [N] or the recording's own unit. Shape (n,).
         resolution: Encoder step found in `position` [rad] or [m]; 0 where none is visible.
         torque_noise: White and coloured part of the torque's noise.
-        jitter: Standard deviation of the instants at which the samples were taken [s].
+        position_noise: White noise of `position`, rounding included, and jitter of its samples.
         loop: What moved the joint; None where that is not known, or was faster than the samples.
         rotary: Whether gravity depends on the sine of the position.
         channels: Further columns by name (load_torque, temperature, ...). Each of shape (n,).
@@ -108,7 +108,7 @@ class Track:
     rotary: bool = True
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     name: str = "recording"
-    jitter: float = 0.0
+    position_noise: PositionNoise = field(default_factory=lambda: PositionNoise(0.0, 0.0))
     loop: Controller | None = None
     substeps: NDArray[np.int64] = field(default_factory=lambda: np.ones(0, dtype=np.int64))
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
@@ -135,6 +135,11 @@ class Track:
     def unrest(self) -> FloatArray:
         """By how much more noise its torque has than usual, at least 1. Shape (n,)."""
         return measure_unrest(self.torque, self.velocity, self.dt)
+
+    def compute_position_variance(self, velocity: FloatArray) -> FloatArray:
+        """Variance of the position's noise at this velocity [rad²] or [m²]. Shape (n,)."""
+        white = max(self.position_noise.white, INPUT.rounding * self.resolution, INPUT.exact_position)
+        return np.asarray(white**2 + (self.position_noise.jitter * velocity) ** 2)
 
     @classmethod
     def build(
@@ -166,7 +171,7 @@ class Track:
             rotary=rotary,
             channels=dict(channels or {}),
             name=name,
-            jitter=measure_position_noise(position, velocity).jitter,
+            position_noise=measure_position_noise(position, velocity),
         )
 
 

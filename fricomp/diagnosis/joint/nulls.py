@@ -196,8 +196,8 @@ def _draw_null(
 ) -> Track:
     """Record a joint that `applied` moves along `position`, with fresh noise, rounding and a small delay."""
     torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
-    if track.jitter > 0.0:
-        late = track.jitter / track.dt * rng.standard_normal(track.size)
+    if track.position_noise.jitter > 0.0:
+        late = track.position_noise.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     torque = torque + track.unrest * drawn

@@ -8,11 +8,12 @@ from itertools import cycle, islice
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_erosion
+from scipy.ndimage import binary_erosion, uniform_filter1d
 from scipy.signal import lfilter
 
 from fricomp.root_mean_square import compute_rms
 
+from ..inputs.settings import INPUT
 from ..inputs.track import FloatArray, Track, differentiate
 from .base import unpack
 from .kernel import LANES
@@ -175,7 +176,7 @@ class Problem:
         return runs
 
     def improve_velocity(self, plant: Plant, effects: Sequence[Contribution]) -> Problem:
-        """Improve the velocities by simulation: that of the model plus the slope of its slow position error.
+        """Improve the velocities by simulation.
 
         One stays as it is where the model swings by more than the joint moves, as a mass of next to nothing does.
 
@@ -193,14 +194,25 @@ class Problem:
 def improve_track(track: Track, observation: Observation, returning: FloatArray) -> Track:
     """Replace the velocity of a track by that of the observed model, corrected by the slope of what it missed.
 
+    The slope is taken over a long window where the model misses no more of the position within it than noise, else over
+    a short one; where the model misses more there as well, the motion is not the model's, and the velocity is that of
+    the encoder alone.
+
     Args:
         track: The recording.
         observation: Run of the model along it.
         returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
             that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
     """
-    slope = differentiate(track.position - observation.position, track.dt, JOINT.innovation_window)
-    return replace(track, velocity=observation.velocity + returning + slope)
+    missed, modelled = track.position - observation.position, observation.velocity + returning
+    noise = track.compute_position_variance(observation.velocity)
+    velocity = differentiate(track.position, track.dt)
+    for window in (INPUT.velocity_window, JOINT.innovation_window):
+        beyond = missed - differentiate(missed, track.dt, window, order=0)
+        size = uniform_filter1d(beyond**2, max(1, round(JOINT.innovation_window / track.dt)))
+        trust = np.clip(2.0 - size / (JOINT.loud_innovation**2 * noise), 0.0, 1.0)
+        velocity = velocity + trust * (modelled + differentiate(missed, track.dt, window) - velocity)
+    return replace(track, velocity=velocity)
 
 
 def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:

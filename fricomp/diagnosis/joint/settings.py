@@ -130,6 +130,8 @@ class JointSettings:
     """Time constants of the observer that a row's window spans at least, so that it has followed."""
     innovation_window: float = 0.061
     """Window of the slope by which velocities are improved [s]. A shorter one puts the encoder's noise into them."""
+    loud_innovation: float = 1.5
+    """Deviations of the encoder's noise up to which what a model misses of the position is taken for noise."""
     fine_substeps: tuple[int, int] = (3, 40)
     """Fewest and most substeps of a sample in which the bristle may be stretched."""
     coarse_substeps: int = 2

@@ -114,6 +114,7 @@ def prepare(
     seed: int,
     rigid: RigidJoint | None = None,
     creeps: bool = False,
+    start: Plant | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Baseline:
     """Fit the base: first in weak form, then by observed simulation, weighted by nulls of the fitted plant.
@@ -125,9 +126,10 @@ def prepare(
         seed: Seed of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
         creeps: The friction is known to creep.
+        start: The joint as far as it is known; None for the estimate in weak form.
         tell: Called with a first look at what the base leaves, in a sentence.
     """
-    raw, fit, box = _fit_first(tracks, observer, rigid)
+    raw, fit, box = _fit_first(tracks, observer, rigid, start)
     fit, problem, _ = _reweigh(raw, fit, box, SEARCH.first_nulls, seed)
     tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
@@ -137,12 +139,15 @@ def prepare(
     return _level_noise(_recolour(baseline))
 
 
-def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
+def _fit_first(
+    tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None, start: Plant | None
+) -> tuple[Problem, Fit, Box]:
     """Fit the base without weights. The second start counts only where the first one leads far astray."""
     top, tried = find_top_speed(tracks), []
     delays = min(one.delays[0] for one in tracks), max(one.delays[1] for one in tracks)
     torques = max(float(np.std(one.torque)) for one in tracks), max(float(np.max(np.abs(one.torque))) for one in tracks)
-    for plant in estimate_plants(tracks, width=observer.width, known=rigid):
+    plants = estimate_plants(tracks, width=observer.width, known=rigid) if start is None else (start,)
+    for plant in plants:
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.build_around(
             start, delays=delays, top_speed=top, torques=torques, rotary=tracks[0].rotary, known=rigid

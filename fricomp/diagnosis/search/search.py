@@ -46,8 +46,14 @@ class SearchResult:
     first: Screen
 
 
-def search(baseline: Baseline) -> SearchResult:
-    """Find the effects that explain the residual of the base."""
+def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult:
+    """Find the effects that explain the residual of the base.
+
+    Args:
+        baseline: The base fitted to the recordings.
+        known: What was found with another base or other weights, to go on from as well; from a base that is bent far a
+            fit may not come there again.
+    """
     fit = baseline.fit
     first = screen(baseline.problem, baseline.structure, fit.theta, fit.residual, fit.jacobian)
     threshold = max(SEARCH.least_gain, SEARCH.material_gain * fit.residual.size, _compute_null_gain(baseline, first))
@@ -55,7 +61,7 @@ def search(baseline: Baseline) -> SearchResult:
     explainable = compute_spread_excess(span, fit.residual)
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
     free = _fit_singles(baseline, first)
-    tried = free + _fit_from_simulation(baseline, free)
+    tried = free + _fit_from_simulation(baseline, free) + ([] if known is None else _fit_known(baseline, known))
     tried += fit_overtones(baseline, rank_acceptable(tried, threshold)[: SEARCH.careful], threshold)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
@@ -85,6 +91,12 @@ def search(baseline: Baseline) -> SearchResult:
             best = choose(baseline, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return SearchResult(tuple(tried), best, threshold, explainable, null, first)
+
+
+def _fit_known(baseline: Baseline, known: Explanation) -> list[Explanation]:
+    """Fit what is known from where it was."""
+    structure = Structure(rebuild_contexts(baseline, known), known.settled)
+    return fit_from(baseline, [(structure, known.fit.theta[:N_BASE])], baseline.box)
 
 
 def _select_own(accepted: Sequence[Explanation]) -> list[Explanation]:

@@ -180,6 +180,9 @@ class SearchSettings:
     """Typical row that the best explanation leaves, in that of the noise, below which the noise is measured anew."""
     something_left: float = 1.15
     """What it leaves then, over the noise, from which something else is searched for."""
+    far_inertia: float = 2.0
+    """Factor between the first estimate of the inertia and that of the joint that was found from which the first one
+    was bent: observer, noise and domain are those of another joint."""
     coarse_tolerance: float = 1e-5
     """Tolerance from which squares of the columns tell a basis as well as the columns, three times as fast."""
     overtone_takes: float = 0.25

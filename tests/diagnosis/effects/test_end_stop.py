@@ -58,17 +58,13 @@ def test_stops_at_both_ends_push_inwards_as_the_law_says(side: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("travel", [2.0e9, 1.35])
 def test_damped_stops_are_named_with_their_numbers(travel: float) -> None:
-    """Of one stop alone the damping hangs on the processor: the velocities are those of a base that is bent far, and
-    rounding decides into which minimum it falls (2.2 of 3.5 on one, within a fifth on others). Of two stops the edges
-    miss their intervals by a tenth of a milliradian on the same one."""
     stop = {"stiffness": 90.0, "damping": 3.5, "edge": 0.8, "travel": travel}
     answer = diagnose(recording(ToyJoint(stop=tuple(stop.values())), "fourier", 30.0, 5))  # type: ignore[arg-type]
     assert [effect.name for effect in answer.effects] == ["end_stop"]
     if travel > 1e3:
         stop.pop("travel")
-        assert answer.effects[0].parameters["damping"].value == pytest.approx(stop.pop("damping"), rel=0.5)
     for name, truth in stop.items():
         found = answer.effects[0].parameters[name]
         assert found.ci95 is not None
-        assert found.ci95[0] - 1e-3 * truth < truth < found.ci95[1] + 1e-3 * truth, name
-        assert found.value == pytest.approx(truth, rel=0.2)
+        assert found.ci95[0] < truth < found.ci95[1], name
+        assert found.value == pytest.approx(truth, rel=0.05)
