@@ -19,11 +19,13 @@ from .settings import SEARCH
 
 
 def refit(
-    baseline: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]
+    baseline: Baseline,
+    wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]],
+    lead: float = np.inf,
 ) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
-    what they leave. One that cannot come near the best of them ends early."""
-    descents, race = [], Race(baseline.fit.cost)
+    what they leave. One that cannot come near the best of them, or the cost `lead`, ends early."""
+    descents, race = [], Race(baseline.fit.cost, lead)
     for candidates, before in wanted:
         structure, fit = Structure(before.structure.contexts, candidates), before.fit
         start = np.concatenate([fit.theta[:N_BASE], structure.build_start()])

@@ -60,8 +60,9 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
     span = orthonormalise(project_out(baseline.generic, baseline.basis), 1e-4)
     explainable = compute_spread_excess(span, fit.residual)
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
-    free = _fit_singles(baseline, first)
-    tried = free + _fit_from_simulation(baseline, free) + ([] if known is None else _fit_known(baseline, known))
+    ready = [] if known is None else _fit_known(baseline, known)
+    free = _fit_singles(baseline, first, min((one.fit.cost for one in ready), default=np.inf))
+    tried = ready + free + _fit_from_simulation(baseline, free)
     tried += fit_overtones(baseline, rank_acceptable(tried, threshold)[: SEARCH.careful], threshold)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
@@ -214,18 +215,19 @@ def _count_freedom(baseline: Baseline, column: Column) -> int:
     return Structure(baseline.structure.contexts, (column.candidate,)).freedom
 
 
-def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
-    """Fit each strong effect on its own: quickly from its best starts, and with care where it is among the best. Where
-    none explains most, fit all other effects too, since a base that is bent far screens badly."""
+def _fit_singles(baseline: Baseline, first: Screen, lead: float) -> list[Explanation]:
+    """Fit each strong effect on its own, as long as it may come near the cost `lead`: quickly from its best starts, and
+    with care where it is among the best. Where none explains most, fit all other effects too, since a base that is bent
+    far screens badly."""
     strong, contexts = _rank_groups(first, SEARCH.singles), baseline.structure.contexts
     replacing = _select_replacing(baseline, first)
     suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
-    tried = _refit_groups(baseline, [group for group in groups if group not in replacing])
+    tried = _refit_groups(baseline, [group for group in groups if group not in replacing], lead)
     tried += _fit_with_care(baseline, replacing, baseline)
     if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
-        tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups])
-        tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=np.inf))
+        tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups], lead)
+        tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=lead))
     return sorted(tried, key=compute_preference, reverse=True)
 
 
@@ -284,10 +286,10 @@ def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> lis
     return fit_from(baseline, wanted, baseline.box)
 
 
-def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
-    """Refit the best starts of each effect, and the best effects with care."""
+def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]], lead: float) -> list[Explanation]:
+    """Refit the best starts of each effect that may come near the cost `lead`, and the best effects with care."""
     options = [_select_options(baseline, group) for group in groups]
-    trials = iter(refit(baseline, [((c.candidate,), baseline) for part in options for c in part]))
+    trials = iter(refit(baseline, [((c.candidate,), baseline) for part in options for c in part], lead))
     quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
     quick.sort(key=compute_preference, reverse=True)
     careful = polish(baseline, quick[: SEARCH.careful])
