@@ -37,18 +37,24 @@ def refit(
 
 
 def polish(
-    baseline: Baseline, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
+    baseline: Baseline,
+    explanations: Sequence[Explanation],
+    *,
+    iterations: int = 4,
+    refresh: int = 2,
+    lead: float = np.inf,
 ) -> list[Explanation]:
-    """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found.
+    """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found, as
+    long as they may come near the best of them, or the cost `lead`.
 
     Again for those whose load moves with it, while they gain by that, from the derivatives that the last time left.
     """
     fresh = [_list_starts(one) for one in explanations]
-    before, result = list(explanations), _polish_once(baseline, explanations, fresh, iterations, refresh)
+    before, result = list(explanations), _polish_once(baseline, explanations, fresh, iterations, refresh, lead)
     for _ in range(SEARCH.polishes - 1):
         unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
         kept = [[_Start(result[i].fit.theta, result[i].fit.jacobian)] for i in unsettled]
-        again = _polish_once(baseline, [result[i] for i in unsettled], kept, iterations, refresh)
+        again = _polish_once(baseline, [result[i] for i in unsettled], kept, iterations, refresh, lead)
         before, further = result, dict(zip(unsettled, again, strict=True))
         result = [further.get(i, one) for i, one in enumerate(result)]
     return result
@@ -82,10 +88,11 @@ def _polish_once(
     starts: Sequence[Sequence[_Start]],
     iterations: int,
     refresh: int,
+    lead: float,
 ) -> list[Explanation]:
     """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is better."""
     descents, owners = [], []
-    lead = min((one.fit.cost for one in explanations if not one.refused), default=np.inf)
+    lead = min([lead, *(one.fit.cost for one in explanations if not one.refused)])
     race = Race(baseline.fit.cost, lead, at_once=True)
     for i, (explanation, own) in enumerate(zip(explanations, starts, strict=True)):
         structure = Structure(rebuild_contexts(baseline, explanation), explanation.settled)

@@ -61,7 +61,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
     explainable = compute_spread_excess(span, fit.residual)
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
     ready = [] if known is None else _fit_known(baseline, known)
-    free = _fit_singles(baseline, first, min((one.fit.cost for one in ready), default=np.inf))
+    free = _fit_singles(baseline, first, ready)
     tried = ready + free + _fit_from_simulation(baseline, free)
     tried += fit_overtones(baseline, rank_acceptable(tried, threshold)[: SEARCH.careful], threshold)
     accepted = rank_acceptable(tried, threshold)
@@ -95,9 +95,10 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
 
 
 def _fit_known(baseline: Baseline, known: Explanation) -> list[Explanation]:
-    """Fit what is known from where it was."""
+    """Fit what is known from where it was, and without each of its effects, which another base may have asked for."""
     structure = Structure(rebuild_contexts(baseline, known), known.settled)
-    return fit_from(baseline, [(structure, known.fit.theta[:N_BASE])], baseline.box)
+    (whole,) = fit_from(baseline, [(structure, known.fit.theta[:N_BASE])], baseline.box)
+    return [whole, *_fit_parts(baseline, whole)]
 
 
 def _select_own(accepted: Sequence[Explanation]) -> list[Explanation]:
@@ -215,17 +216,20 @@ def _count_freedom(baseline: Baseline, column: Column) -> int:
     return Structure(baseline.structure.contexts, (column.candidate,)).freedom
 
 
-def _fit_singles(baseline: Baseline, first: Screen, lead: float) -> list[Explanation]:
-    """Fit each strong effect on its own, as long as it may come near the cost `lead`: quickly from its best starts, and
+def _fit_singles(baseline: Baseline, first: Screen, ready: Sequence[Explanation]) -> list[Explanation]:
+    """Fit each strong effect on its own, as long as it may come near what is `ready`: quickly from its best starts, and
     with care where it is among the best. Where none explains most, fit all other effects too, since a base that is bent
     far screens badly."""
+    lead = min((one.fit.cost for one in ready), default=np.inf)
     strong, contexts = _rank_groups(first, SEARCH.singles), baseline.structure.contexts
     replacing = _select_replacing(baseline, first)
     suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
     tried = _refit_groups(baseline, [group for group in groups if group not in replacing], lead)
     tried += _fit_with_care(baseline, replacing, baseline)
-    if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
+    if baseline.noise_ratio > SEARCH.bent and all(
+        explanation.coverage < SEARCH.most_covered for explanation in (*tried, *ready)
+    ):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups], lead)
         tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=lead))
     return sorted(tried, key=compute_preference, reverse=True)
@@ -292,9 +296,9 @@ def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]], lead: 
     trials = iter(refit(baseline, [((c.candidate,), baseline) for part in options for c in part], lead))
     quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
     quick.sort(key=compute_preference, reverse=True)
-    careful = polish(baseline, quick[: SEARCH.careful])
+    careful = polish(baseline, quick[: SEARCH.careful], lead=lead)
     if all(explanation.coverage < SEARCH.enough for explanation in careful):
-        careful += polish(baseline, quick[SEARCH.careful : SEARCH.more_careful])
+        careful += polish(baseline, quick[SEARCH.careful : SEARCH.more_careful], lead=lead)
     return careful + quick[len(careful) :]
 
 
