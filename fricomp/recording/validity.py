@@ -14,6 +14,7 @@ _MANY, _TOO_MANY = 0.01, 0.2  # parts of the rows that were left out
 _JITTER = 10.0  # periods by which a stamp may lie before an earlier one: computers are late at times
 _MANY_STAMPED_BACK = 0.5  # part of the rows of a clock that jitters which may have no later stamp than one before
 _LONGER_BESIDE = 2.5  # usual steps over a repeated stamp and those beside it: 3, or 2 where a row came between
+_SHORTEST_PERIOD = 1e-9  # [s]: stamps of the finest clocks differ by as much
 _MANY_REPEATED = 0.2  # part of the rows with the stamp of the one before, above which the clock is coarse
 
 
@@ -29,7 +30,7 @@ def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
     not_finite = tuple(
         finding for name, values in channels.items() if (finding := _find_not_finite(name, values)) is not None
     )
-    return not_finite or _find_backward_time(channels["time"])
+    return not_finite or _find_backward_time(channels["time"]) or _find_standing_time(channels["time"])
 
 
 def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
@@ -226,3 +227,12 @@ def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
     message = f"time falls from {time[row - 1]:.6g} s to {time[row]:.6g} s ({bad.size} rows do not advance)"
     advice = "split the file there or restore the clock: time must rise from row to row"
     return (Finding("backward_time", "error", message, advice, row + 1, "time"),)
+
+
+def _find_standing_time(time: Samples) -> tuple[Finding, ...]:
+    """Find a time that rises by less than any clock counts, as one in another unit does."""
+    period = float(np.median(np.diff(time))) if time.size > 1 else np.inf
+    if period >= _SHORTEST_PERIOD:
+        return ()
+    message = f"time goes on by {period:.3g} s from row to row"
+    return (Finding("standing_time", "error", message, "write the unit of time in a mapping", column="time"),)

@@ -41,6 +41,14 @@ def test_time_that_does_not_rise_is_refused(make_recording: MakeRecording, value
         make_recording(100).with_channels(time=time)
 
 
+def test_time_that_goes_on_by_less_than_any_clock_counts_is_refused(make_recording: MakeRecording) -> None:
+    whole, rows = make_recording(100), np.arange(100.0)
+    assert whole.with_channels(time=1e-8 * rows).sample_period == pytest.approx(1e-8)
+    for period in (1e-10, 1e-300, 1e-320):
+        with pytest.raises(RecordingError, match=r"time goes on by .* from row to row.*unit of time"):
+            whole.with_channels(time=period * rows)
+
+
 def test_channels_of_other_length_are_refused(make_recording: MakeRecording) -> None:
     with pytest.raises(RecordingError, match=r"column velocity: velocity has shape \(99,\)"):
         make_recording(100).with_channels(velocity=np.zeros(99))
