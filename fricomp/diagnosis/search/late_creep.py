@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Structure
 from ..joint.base import BASE_NAMES
 from ..joint.base_fit import propose_creep_starts
@@ -17,13 +18,13 @@ def has_late_creep(baseline: Baseline, found: SearchResult) -> bool:
     """Tell whether the best explanation leaves far less when friction creeps in place of a bristle.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. A
-    curve over speed that is nobody's may draw the creep.
+    power law of the speed may draw the creep.
     """
     if not found.explanations or baseline.fit.theta[_CREEP] > 0.0:
         return False
     best = found.best or found.explanations[0]
-    residual = best.fit.residual
-    if float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size and not best.foreign_curve:
+    residual, draws_curve = best.fit.residual, any(EFFECTS[name].viscous_exponent for name in best.names)
+    if float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size and not draws_curve:
         return False
     starts = propose_creep_starts(best.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
     structure = Structure(best.structure.contexts, best.settled)
