@@ -15,8 +15,8 @@ _INERTIA = BASE_NAMES.index("log_inertia")
 
 
 def find_far_joint(baseline: Baseline, found: SearchResult) -> Plant | None:
-    """Return the joint of the best explanation where its inertia is far from the first estimate and more than noise is
-    left; None elsewhere, and where a simulation says the inertia.
+    """Return the joint of the best explanation where that covers most, its inertia is far from the first estimate, and
+    more than noise is left; None elsewhere, and where a simulation says the inertia.
 
     The observer holds a joint of another inertia too loosely or too tightly, the velocities are those of another
     motion, and the inertia may end at the bound of its domain.
@@ -25,7 +25,7 @@ def find_far_joint(baseline: Baseline, found: SearchResult) -> Plant | None:
         baseline: The base that was searched with.
         found: What the search found.
     """
-    if found.best is None or baseline.rigid is not None:
+    if found.best is None or found.best.coverage < SEARCH.most_covered or baseline.rigid is not None:
         return None
     if measure_left(baseline, found) <= SEARCH.something_left:
         return None

@@ -15,12 +15,20 @@ from ..known import PLANT, known_baseline, known_fit, known_search
 
 
 @pytest.mark.parametrize(
-    ("times", "loudness", "far"),
-    [(5.0, 3.0, True), (0.2, 3.0, True), (1.5, 3.0, False), (5.0, 1.0, False)],
+    ("times", "loudness", "coverage", "far"),
+    [
+        (5.0, 3.0, 0.9, True),
+        (0.2, 3.0, 0.9, True),
+        (1.5, 3.0, 0.9, False),
+        (5.0, 1.0, 0.9, False),
+        (5.0, 3.0, 0.5, False),
+    ],
 )
-def test_a_joint_is_far_by_its_inertia_where_more_than_noise_is_left(times: float, loudness: float, far: bool) -> None:
+def test_a_joint_is_far_by_its_inertia_where_it_covers_most_and_more_than_noise_is_left(
+    times: float, loudness: float, coverage: float, far: bool
+) -> None:
     baseline = known_baseline(loudness=loudness)
-    found = known_search(known_fit(baseline, ("cogging",), 900.0))
+    found = known_search(known_fit(baseline, ("cogging",), 900.0, coverage=coverage))
     moved = _move_estimate(baseline, times)
     joint = find_far_joint(moved, found)
     assert (joint is not None) == far
