@@ -34,12 +34,9 @@ from .joint.weak_form import estimate_rest_speed
 from .low_rate.answer import diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
 from .samples.second_look import look_into_samples, remove_ripple
-from .search.late_creep import has_late_creep
-from .search.late_joint import find_far_joint, measure_left
-from .search.late_noise import remeasure_noise
 from .search.late_torque import measure_late_torque
 from .search.preparation import Baseline, prepare
-from .search.search import SearchResult, search
+from .search.rounds import search_in_rounds
 from .verdict.experiment import propose_experiment
 from .verdict.judging import Verdict, describe_repetitions, join_channels, judge, judge_beside
 from .verdict.naming import name_late_action
@@ -61,7 +58,6 @@ class StageSettings:
         draws: Seed of their noise. It is the same for every recording and every user (common random numbers), so that
             chance does not decide between two answers to the same data.
         other_draws: Whole diagnoses by other noise that a thorough one is held against.
-        estimates: Most times that a search begins again from the joint that was found.
         resting: Rest speed of the observer over the slowest speed that counts as sliding. Below it a model that rests
             is led back to the recorded position; a larger part would lead slow sliding back as well.
         slow_bandwidth: Bandwidth of the observer [rad/s] for recordings below some 300 Hz, whose steps a faster one
@@ -77,7 +73,6 @@ class StageSettings:
     nulls: int = 32
     draws: int = 0
     other_draws: int = 3
-    estimates: int = 2
     resting: float = 0.6
     slow_bandwidth: float = 30.0
     noise_share: float = 0.01
@@ -221,7 +216,7 @@ def _answer(
     progress: Progress | None,
 ) -> tuple[Findings, Verdict]:
     """Search from this base, and judge what is found."""
-    baseline, found = _search(baseline, base, progress)
+    baseline, found = search_in_rounds(baseline, base, SETTINGS.draws, partial(_report, progress))
     case = Case(given.recordings, baseline, found, given.rigid, given.friction, SETTINGS.draws, seed)
     return _judge_case(given, case, simulated, progress)
 
@@ -304,7 +299,7 @@ def _judge_case(
         return findings, verdict
     _report(progress, "searching beside the ripple")
     base = _choose_base(replace(given, recordings=remove_ripple(given.recordings, verdict.sample)), case.seed)
-    baseline, found = _search(base(), base, progress)
+    baseline, found = search_in_rounds(base(), base, case.seed, partial(_report, progress))
     findings = collect_findings(prefer_simulation(replace(case, baseline=baseline, found=found)))
     return findings, judge_beside(findings, verdict.sample, simulated)
 
@@ -316,7 +311,7 @@ def _repeat_with_other_noise(
     verdicts = []
     for draws in range(SETTINGS.draws + 1, SETTINGS.draws + 1 + SETTINGS.other_draws):
         base = _choose_base(given, draws)
-        baseline, found = _search(base(), base, progress)
+        baseline, found = search_in_rounds(base(), base, draws, partial(_report, progress))
         case = Case(given.recordings, baseline, found, given.rigid, given.friction, draws)
         verdicts.append(_judge_case(given, case, simulated, progress)[1])
     return tuple(verdicts)
@@ -346,47 +341,6 @@ def _choose_observer(given: Given, tracks: Sequence[Track]) -> Observer:
 def _check_inertia(given: Given, baseline: Baseline) -> list[str]:
     """Why the recordings cannot be of the simulation's joint; empty where they can."""
     return [] if given.rigid is None else inertia_against(unpack(baseline.fit.theta).inertia, given.rigid.inertia)
-
-
-def _search(
-    baseline: Baseline, base: Callable[..., Baseline], progress: Progress | None
-) -> tuple[Baseline, SearchResult]:
-    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base, from the
-    joint that was found, where such an effect had bent the first estimate, and with the noise that is left beside what
-    was found, where that had passed for noise."""
-    _report(progress, "searching for effects")
-    found = search(baseline)
-    if has_late_creep(baseline, found):
-        _report(progress, "searching again, with friction that creeps")
-        base = partial(base, creeps=True)
-        baseline = base()
-        found = search(baseline)
-    baseline, found = _search_from_joint(baseline, found, base, progress)
-    quieter = remeasure_noise(baseline, found, SETTINGS.draws)
-    if quieter is None:
-        return baseline, found
-    _report(progress, "searching again, with the noise that is left")
-    return quieter, search(quieter, found.best)
-
-
-def _search_from_joint(
-    baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], progress: Progress | None
-) -> tuple[Baseline, SearchResult]:
-    """Search again from the joint that was found, as long as it is far from the estimate and leaves less that way."""
-    for _ in range(SETTINGS.estimates):
-        joint = find_far_joint(baseline, found)
-        if joint is None:
-            break
-        _report(progress, "searching again, from the joint that was found")
-        try:
-            nearer = base(start=joint)
-        except FloatingPointError:
-            break
-        again = search(nearer, found.best)
-        if again.best is None or measure_left(nearer, again) >= measure_left(baseline, found):
-            break
-        baseline, found = nearer, again
-    return baseline, found
 
 
 def _simulate_forward(given: Given, findings: Findings) -> Forward | None:

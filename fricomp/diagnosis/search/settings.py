@@ -183,6 +183,8 @@ class SearchSettings:
     far_inertia: float = 2.0
     """Factor between the first estimate of the inertia and that of the joint that was found from which the first one
     was bent: observer, noise and domain are those of another joint."""
+    estimates: int = 2
+    """Most times that a search begins again from the joint that it found."""
     coarse_tolerance: float = 1e-5
     """Tolerance from which squares of the columns tell a basis as well as the columns, three times as fast."""
     overtone_takes: float = 0.25

@@ -1,0 +1,66 @@
+"""The whole search: once more where what was found shows that friction, first estimate or noise were others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from .late_creep import has_late_creep
+from .late_joint import find_far_joint, measure_left
+from .late_noise import remeasure_noise
+from .preparation import Baseline
+from .search import SearchResult, search
+from .settings import SEARCH
+
+Tell = Callable[[str], None]
+
+
+def search_in_rounds(
+    baseline: Baseline, base: Callable[..., Baseline], seed: int, tell: Tell
+) -> tuple[Baseline, SearchResult]:
+    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base, from the
+    joint that was found, where such an effect had bent the first estimate, and with the noise that is left beside what
+    was found, where that had passed for noise.
+
+    Args:
+        baseline: The base fitted to the recordings.
+        base: Fits it anew; takes `creeps` and `start` of `prepare`.
+        seed: Seed of the nulls' noise.
+        tell: Called with a few words before each round.
+
+    Returns:
+        The base of the last round, and what was found with it.
+    """
+    tell("searching for effects")
+    found = search(baseline)
+    if has_late_creep(baseline, found):
+        tell("searching again, with friction that creeps")
+        base = partial(base, creeps=True)
+        baseline = base()
+        found = search(baseline)
+    baseline, found = _search_from_joint(baseline, found, base, tell)
+    quieter = remeasure_noise(baseline, found, seed)
+    if quieter is None:
+        return baseline, found
+    tell("searching again, with the noise that is left")
+    return quieter, search(quieter, found.best)
+
+
+def _search_from_joint(
+    baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
+) -> tuple[Baseline, SearchResult]:
+    """Search again from the joint that was found, as long as it is far from the estimate and leaves less that way."""
+    for _ in range(SEARCH.estimates):
+        joint = find_far_joint(baseline, found)
+        if joint is None:
+            break
+        tell("searching again, from the joint that was found")
+        try:
+            nearer = base(start=joint)
+        except FloatingPointError:
+            break
+        again = search(nearer, found.best)
+        if again.best is None or measure_left(nearer, again) >= measure_left(baseline, found):
+            break
+        baseline, found = nearer, again
+    return baseline, found
