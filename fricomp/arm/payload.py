@@ -29,6 +29,7 @@ from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 from fricomp.root_mean_square import compute_rms
 
+from .fit import Z95
 from .rigid.inertia import N_INERTIA, combine_inertia
 from .rigid.regressor import compute_regressor
 from .rigid.simulated_arm import SimulatedArm, read_arm
@@ -370,7 +371,7 @@ def _write_answer(found: Payload, names: tuple[str, ...], *, single: bool) -> Di
     seen = found.significance > SETTINGS.significant and held.rmse_after < held.rmse_before
     units = {"mass": "kg"}
     parameters = {
-        name: Quantity(value, units.get(name, "kg·m"), (value - 1.96 * error, value + 1.96 * error))
+        name: Quantity(value, units.get(name, "kg·m"), (value - Z95 * error, value + Z95 * error))
         for name, (value, error) in found.moments.items()
     }
     effect = NamedEffect(
@@ -410,7 +411,7 @@ def _describe_likeness(found: Payload, *, single: bool) -> str:
     )
     return (
         f"{head}, as far as these motions show"
-        + (f": the masses differ by {mass:.2g} ± {1.96 * error:.2g} kg" if "mass" in found.moments else "")
+        + (f": the masses differ by {mass:.2g} ± {Z95 * error:.2g} kg" if "mass" in found.moments else "")
         + ". Nothing else was looked for; diagnose the joints one at a time."
     )
 
