@@ -155,12 +155,11 @@ def _describe_effect(
         if other != term and found.fit.model.forms[joint].find_head(other) == term:
             pairs = zip(TERMS[other].columns, TERMS[other].names(k), strict=True)
             parameters |= {f"{other}_{short}": values[long] for short, long in pairs}
-    value = TERMS[term].values[variant]
-    position = found.recording.metadata[joint].position_unit
-    if value is not None:
+    position, rotary = found.recording.metadata[joint].position_unit, found.fit.arm.rotary[joint]
+    if values_tried := TERMS[term].list_values(rotary=rotary):
         unit = {"breakaway_distance": position, "order": f"1/{position}"}.get(TERMS[term].label, "1")
-        around, at_end = TERMS[term].bound_variant(variant), TERMS[term].is_at_end(variant)
-        parameters[TERMS[term].label] = Quantity(value, unit, around, at_bound=at_end)
+        around, at_end = TERMS[term].bound_variant(variant, rotary=rotary), TERMS[term].is_at_end(variant)
+        parameters[TERMS[term].label] = Quantity(values_tried[variant], unit, around, at_bound=at_end)
     if TERMS[term].filled == "gap":  # the factor on it is one
         width = float(found.equations.gaps[joint, 0])
         around = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)

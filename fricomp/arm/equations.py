@@ -282,7 +282,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     place = find_columns("motion")
     for j, one in enumerate(columns):
         one[:, : first - 1], one[:, first - 1] = rows.links[:, j], acceleration[:, j]
-        known = plain_columns(rows, j) if plain else friction_columns(rows, j, float(top[j]))
+        known = plain_columns(rows, j) if plain else friction_columns(rows, j, float(top[j]), rotary=arm.rotary[j])
         one[:, first + place.start : first + place.start + known.shape[1]] = known
     moving = (speed > np.maximum(_SLOW * top, np.minimum(rows.least_speed, _MOST_SLOW * top))).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)

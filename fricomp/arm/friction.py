@@ -66,8 +66,12 @@ LEAST_STRIBECK, MOST_STRIBECK = 0.01, 0.6
 """Of a joint's top speed, between which a Stribeck velocity lies: below, no row shows it; above, it is drag."""
 
 _BREAKAWAY = tuple(0.5e-3 * 2.0 ** (0.5 * k) for k in range(12))
-"""Breakaway distances to choose from [rad] or [m], up to 23 mrad. With steps of two, a bristle between them came as
-part of the Coulomb torque at the next one, and the rest of it as what else bends about a reversal."""
+"""Breakaway distances to choose from [rad], up to 23 mrad. With steps of two, a bristle between them came as part of
+the Coulomb torque at the next one, and the rest of it as what else bends about a reversal."""
+
+_ARM = 0.1
+"""[m/rad] by which distances of an axis that slides are those of a joint that turns: the radius of a pulley. Axes come
+back as fast as joints at that distance from their middle do, so that as short a way shows."""
 
 _EXPONENTS = (0.35, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Of viscous friction to choose from; the catalogue has 0.5 to 0.9, and what fits best below is none of it."""
@@ -103,7 +107,7 @@ class JointTerm:
         reaches_others: Whether the other joints feel it, by the same parameters: links that move otherwise than their
             motor pull at all of them.
         whole: Whether its law has no factor: its one parameter is the share of it that is there, and should be one.
-        angular: Whether it is of a joint that turns alone: its variants are angles, or waves a turn.
+        on_slides: Factor on its variants on an axis that slides; None where it is of a joint that turns alone.
         counted: Whether its variants are whole numbers, so that nothing lies between two of them or beyond.
     """
 
@@ -117,12 +121,17 @@ class JointTerm:
     replaces: tuple[str, ...] = ()
     reaches_others: bool = False
     whole: bool = False
-    angular: bool = False
+    on_slides: float | None = 1.0
     counted: bool = False
 
-    def bound_variant(self, variant: int) -> tuple[float, float]:
+    def list_values(self, *, rotary: bool) -> list[float]:
+        """What its variants are on a joint that turns, or on an axis that slides; empty where it has one form alone."""
+        factor = 1.0 if rotary else self.on_slides
+        return [one * factor for one in self.values if one is not None and factor is not None]
+
+    def bound_variant(self, variant: int, *, rotary: bool) -> tuple[float, float]:
         """The values that were tried beside that of a variant, between which it lies; itself where they are counted."""
-        steps = [one for one in self.values if one is not None]
+        steps = self.list_values(rotary=rotary)
         if self.counted:
             return steps[variant], steps[variant]
         return steps[max(variant - 1, 0)], steps[min(variant + 1, len(steps) - 1)]
@@ -150,8 +159,8 @@ TERMS = {
             _STRIBECK * len(_STRIBECK_STARTS),
             filled="stribeck",
         ),
-        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", angular=True),
-        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order", angular=True, counted=True),
+        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", on_slides=_ARM),
+        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order", on_slides=None, counted=True),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
         JointTerm(
             "power_law_viscous",
@@ -165,7 +174,7 @@ TERMS = {
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
         JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
-        JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True, angular=True),
+        JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True, on_slides=None),
         JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
         JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),
         JointTerm("torque_gain_error", ("gain_error",), filled="load"),
@@ -248,23 +257,25 @@ def plain_columns(rows: ArmRows, joint: int) -> FloatArray:
     return rows.compare(build)
 
 
-def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
+def friction_columns(rows: ArmRows, joint: int, top_speed: float, *, rotary: bool = True) -> FloatArray:
     """Columns of one joint that are made of its motion and temperature.
 
     Args:
         rows: The equations.
         joint: Number of the joint.
         top_speed: Of the joint [rad/s] or [m/s].
+        rotary: Whether it turns.
 
     Returns:
         Shape (n, n_columns).
     """
     middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in rows.motion])))
+    distances = TERMS["presliding_hysteresis"].list_values(rotary=rotary)
 
     def build(position: FloatArray, velocity: FloatArray, _: FloatArray) -> FloatArray:
         q, v = position[:, joint], velocity[:, joint]
         s = np.sign(v)
-        columns = [turn_bristle(q, distance) - s for distance in _BREAKAWAY]
+        columns = [turn_bristle(q, distance) - s for distance in distances]
         columns += [wave(n * q) * s for n in _ORDERS for wave in (np.cos, np.sin)]
         columns += [v * np.abs(v)]
         columns += [s * (np.abs(v) / top_speed) ** n for n in _EXPONENTS]

@@ -72,7 +72,7 @@ def _build_core(
     if "presliding_hysteresis" not in form:
         return (BidirectionalStribeck(*_build_curves(found, joint, values, form)),)
     level = values[TERMS["presliding_hysteresis"].names(form["presliding_hysteresis"])[0]]
-    distance = _value_of("presliding_hysteresis", form)
+    distance = _value_of(found, joint, "presliding_hysteresis", form)
     if level > _MOST_PART * values["coulomb"]:
         curves = _build_curves(found, joint, values, form)
         return (LuGre(*curves, curves[0].coulomb_torque / distance, 0.0),)
@@ -114,11 +114,11 @@ def _build_terms(found: ArmIdentification, joint: int, values: dict[str, float],
         terms.append(LoadQuadratic(max(parameters("load_quadratic")[0], 0.0)))
     if "position_coulomb" in form:
         cosine, sine = parameters("position_coulomb")
-        terms.append(PositionCoulomb(sine, cosine, _value_of("position_coulomb", form)))
+        terms.append(PositionCoulomb(sine, cosine, _value_of(found, joint, "position_coulomb", form)))
     if "quadratic_drag" in form:
         terms.append(QuadraticDrag(max(parameters("quadratic_drag")[0], 0.0)))
     if "power_law_viscous" in form:
-        exponent, top = _value_of("power_law_viscous", form), float(found.equations.top_speed[joint])
+        exponent, top = _value_of(found, joint, "power_law_viscous", form), float(found.equations.top_speed[joint])
         terms.append(PowerLawViscous(max(parameters("power_law_viscous")[0], 0.0) / top**exponent, exponent))
     if "cogging" in form:
         cosine, sine = parameters("cogging")
@@ -134,9 +134,8 @@ def _build_terms(found: ArmIdentification, joint: int, values: dict[str, float],
     return terms
 
 
-def _value_of(name: str, form: dict[str, int]) -> float:
-    value = TERMS[name].values[form[name]]
-    return 0.0 if value is None else value
+def _value_of(found: ArmIdentification, joint: int, name: str, form: dict[str, int]) -> float:
+    return TERMS[name].list_values(rotary=found.fit.arm.rotary[joint])[form[name]]
 
 
 def _range(values: np.ndarray) -> tuple[float, float]:

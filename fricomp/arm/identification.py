@@ -42,9 +42,10 @@ Progress = Callable[[str], None]
 _DELAY_ROUNDS, _PASSES = 6, 2
 """Of the search for a delay, and of delay and model in turn."""
 
-_HOLD = 0.5
+_HOLD, _SURELY = 0.5, 2.0
 """Of a sample's period, by which torques may be ahead of the positions without more: a command acts from its row to the
-next, in the mean half a period after it, and no row is known to be of one instant."""
+next, in the mean half a period after it, and no row is known to be of one instant. Standard deviations by which a delay
+must be beyond that to be further: that of a command is half a period, and comes out on either side of it."""
 
 _ALIKE = 3.0
 """Difference of such logarithms below which two explanations are said to do as well: odds of twenty to one."""
@@ -173,7 +174,7 @@ def _take_off_delay(
         fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
         more = measure_delay(equations, fit, prior)
         ahead = total + more.value < 0.0
-        beyond = total + more.value < -_HOLD * recording.period
+        beyond = total + more.value + _SURELY * more.deviation < -_HOLD * recording.period
         if beyond and not EarlyTorques(rows, equations, fit).are_all(total + fit.delay[0]):
             return *_move_torques(recording, rows, equations, 0.0), more.move(total, -total), True
         still = abs(more.value) < 0.5 * more.deviation
@@ -301,7 +302,7 @@ def _is_rival(name: str, other: str) -> bool:
 def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
     """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
     for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
-        for term in (one for one in TERMS.values() if arm.rotary[j] or not one.angular):
+        for term in (one for one in TERMS.values() if arm.rotary[j] or one.on_slides is not None):
             for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
                 other = _with_form(model, j, form.with_term(term.name, variant))
                 other = hold_curve(other, j) if term.filled == "stribeck" else other

@@ -1,4 +1,4 @@
-"""Axes that slide have the friction of joints that turn, but for what goes with an angle."""
+"""Axes that slide have the friction of joints that turn, a bristle by its way in metres, but not what has an angle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fricomp.arm.friction import JointForm
 from fricomp.arm.identification import identify_arm, propose_models
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.arm.search.early_torque import EarlyTorques
-from fricomp.laws import BidirectionalStribeck, FloatArray
+from fricomp.laws import BidirectionalStribeck, FloatArray, LuGre
 
 from .moving_arm import record_arm
 from .test_examination import names_of
@@ -40,6 +40,15 @@ def _ripple(joint: int, q: FloatArray, _: FloatArray, __: FloatArray) -> FloatAr
 def _rub_late(joint: int, _: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
     """Friction of the bridge as a bristle of a tenth of a millimetre has it: 8 ms after each reversal."""
     return np.asarray((1.2 if joint == 0 else 0.0) * (np.sign(np.roll(v, 2)) - np.sign(v)))
+
+
+def _bend_at_reversals(joint: int, q: FloatArray, v: FloatArray, __: FloatArray) -> FloatArray:
+    """Friction of the bridge that builds up over nine tenths of a millimetre."""
+    z, turned = 0.0, np.zeros_like(q)
+    for k, step in enumerate(np.diff(q, prepend=q[0])):
+        z = np.sign(step) + (z - np.sign(step)) * np.exp(-abs(step) / 9e-4)
+        turned[k] = z
+    return np.asarray((1.2 if joint == 0 else 0.0) * (turned - np.sign(v)))
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +77,19 @@ def test_the_force_ripple_of_a_linear_axis_is_named_with_its_pitch(simulation: P
     assert order.value == pytest.approx(2.0 * np.pi / _PITCH, rel=0.02)
 
 
+def test_the_presliding_of_a_linear_axis_is_named_with_its_way(simulation: Path) -> None:
+    recordings = record_arm(simulation, _bend_at_reversals, duration=30.0, joints=_AXES, size=0.2)
+    found = examine_arm(recordings, simulation)
+    assert names_of(found.record) == {"bridge": ["presliding_hysteresis"], "ram": [], "yaw": []}
+    parameters = found.record.joints[0].effects[0].parameters
+    assert parameters["breakaway_distance"].unit == "m"
+    assert parameters["breakaway_distance"].ci95[0] < 9e-4 < parameters["breakaway_distance"].ci95[1]
+    assert parameters["level"].value == pytest.approx(1.2, rel=0.1)
+    (core,) = build_friction_model(found.answer.identification, 0).law.terms
+    assert isinstance(core, LuGre)
+    assert core.forward.coulomb_torque / core.sigma_0 == parameters["breakaway_distance"].value
+
+
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_torque_is_late_where_what_its_links_ask_for_is(simulation: Path, whole: bool) -> None:
     """And not where friction alone is."""
@@ -81,7 +103,14 @@ def test_a_torque_is_late_where_what_its_links_ask_for_is(simulation: Path, whol
 def test_what_goes_with_an_angle_is_not_tried_on_a_linear_axis(simulation: Path) -> None:
     model = ArmModel(tuple(JointForm() for _ in _AXES))
     tried = {name for name, _ in propose_models(read_arm(simulation, _AXES), model)}
-    angular = ("presliding_hysteresis", "position_coulomb", "backlash")
+    angular = ("position_coulomb", "backlash")
     assert {f"yaw: {name}" for name in angular} <= tried
     assert not {f"ram: {name}" for name in angular} & tried
-    assert {"ram: stribeck", "ram: load_coulomb", "ram: cogging", "ram: quadratic_drag", "ram: torque_delay"} <= tried
+    assert {
+        "ram: presliding_hysteresis",
+        "ram: stribeck",
+        "ram: load_coulomb",
+        "ram: cogging",
+        "ram: quadratic_drag",
+        "ram: torque_delay",
+    } <= tried

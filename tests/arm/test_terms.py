@@ -107,8 +107,8 @@ def test_a_bristle_turns_as_dahl_has_it() -> None:
 
 def test_waves_a_turn_are_counted_and_a_distance_lies_between_those_that_were_tried() -> None:
     waves, bristle = TERMS["position_coulomb"], TERMS["presliding_hysteresis"]
-    assert waves.bound_variant(0) == (1.0, 1.0)
+    assert waves.bound_variant(0, rotary=True) == (1.0, 1.0)
     assert not waves.is_at_end(0)
-    low, high = bristle.bound_variant(3)
+    low, high = bristle.bound_variant(3, rotary=True)
     assert low < bristle.values[3] < high  # type: ignore[operator]
     assert [k for k in range(len(bristle.values)) if bristle.is_at_end(k)] == [0, len(bristle.values) - 1]
