@@ -33,7 +33,7 @@ from .search.early_torque import EarlyTorques
 from .search.gap import GapSearch
 from .search.ripple import propose_ripples
 from .search.stribeck import hold_curve, is_curve
-from .shared_delay import SharedDelay, measure_delay, measure_seen
+from .shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
 
 __all__ = ["LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
 
@@ -141,7 +141,7 @@ def _search(
         model, _, equations = _take_in(rows, equations, model, prior, trials, rivals, arm)
     for _ in range(_PASSES):
         say("finding the delay of the torques")
-        before = model
+        before, model = model, share_delays(model)
         rows, equations, delay, prompt = _take_off_delay(recording, rows, equations, model, prior, delay.value, arm)
         model = replace(model, prompt=prompt)
         say("weighing what the simulation may have wrong")

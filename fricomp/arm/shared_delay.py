@@ -94,6 +94,14 @@ def is_before_most(glance: Glance, fit: ArmFit, joint: int) -> bool:
     return float(delays[joints == joint][0]) < middle - _SURE_APART * _measure_width(delays, spread)
 
 
+def share_delays(model: ArmModel) -> ArmModel:
+    """The model without delays of single joints where most joints have one: then it is one of all."""
+    own = [j for j, form in enumerate(model.forms) if _OWN in form.names]
+    for j in own if 2 * len(own) > len(model.forms) else ():
+        model = _without_own(model, j)
+    return model
+
+
 def _without_own(model: ArmModel, joint: int) -> ArmModel:
     forms = list(model.forms)
     forms[joint] = forms[joint].without_term(_OWN)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.arm.shared_delay import SharedDelay, agree, measure_seen, take_median
+from fricomp.arm.coordinates import ArmModel
+from fricomp.arm.friction import JointForm
+from fricomp.arm.shared_delay import SharedDelay, agree, measure_seen, share_delays, take_median
 
 
 def test_joints_with_one_delay_agree() -> None:
@@ -43,3 +45,9 @@ def test_a_long_delay_is_found_in_few_steps_though_each_look_sees_half_of_it() -
         delay += moved
     assert delay == pytest.approx(truth, abs=1e-6)
     assert measure_seen(1e-3, 1e-3, 1e-3) == pytest.approx(1.0 / 3.0)  # no fall: a step is no longer than three looks
+
+
+def test_a_delay_that_most_joints_have_is_one_of_all() -> None:
+    plain, late = JointForm(), JointForm().with_term("torque_delay", 0)
+    assert share_delays(ArmModel((late, late, plain))) == ArmModel((plain, plain, plain))
+    assert share_delays(ArmModel((late, plain, plain))) == ArmModel((late, plain, plain))
