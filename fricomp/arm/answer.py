@@ -13,15 +13,18 @@ from fricomp.root_mean_square import compute_rms
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
 from .coordinates import ArmModel
+from .equations import ArmEquations
 from .fit import Z95, ArmFit
 from .friction import TERMS, JointForm
 from .glance import Glance
-from .identification import ArmIdentification
+from .identification import EVIDENCE, ArmIdentification
 from .own_delay import find_own_delay
 from .physics import find_reversed_term
 from .prior import ArmPrior
 from .robust_fit import fit_robustly
+from .rows import ArmRows
 from .search.early_torque import EarlyTorques
+from .search.stribeck import is_needless
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -161,6 +164,30 @@ def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
     return replace(fit.model, forms=tuple(forms))
 
 
+def _drop_needless_bend(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, kept: set[tuple[int, JointForm]]
+) -> ArmModel | None:
+    """The model without a bend over the speed that the curve of its joint makes as well; None for no such.
+
+    Args:
+        rows: Motion and torques.
+        equations: Of these rows.
+        fit: Of these equations.
+        prior: How far the simulation is trusted.
+        kept: Joints with forms of which that is known not to be so; those that are found are added.
+    """
+    for j, form in enumerate(fit.model.forms):
+        bends = [name for name in form.names if TERMS[name].family == "speed"]
+        if "stribeck" not in form.names or (j, form) in kept:
+            continue
+        for name in bends:
+            less = without_term(fit.model, j, name)
+            if is_needless(rows, equations, fit, prior, less, EVIDENCE):
+                return less
+        kept.add((j, form))
+    return None
+
+
 def _drop_empty_lean(fit: ArmFit) -> ArmModel | None:
     """The model whose gravity does not lean over, where the intervals along both axes hold none; None for no such."""
     value, spread = fit.lean
@@ -192,6 +219,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
+    bent: set[tuple[int, JointForm]] = set()
     while True:
         widened = widen_covariance(fit, equations, rows)
         less = (
@@ -199,6 +227,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             or _drop_empty_lean(widened)
             or _drop_far_gain(fit, prior)
             or _drop_reversed_term(fit)
+            or _drop_needless_bend(rows, equations, fit, prior, bent)
         )
         if less is not None:
             fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)

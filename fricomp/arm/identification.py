@@ -35,7 +35,7 @@ from .search.ripple import propose_ripples
 from .search.stribeck import hold_curve, is_curve
 from .shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
 
-__all__ = ["LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
+__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
 
 Progress = Callable[[str], None]
 
@@ -56,7 +56,7 @@ _GLANCE, LOOK_STEPS = 2, 15
 _GLANCE_ERROR = 3.0
 """By how much a glance may be wrong about the logarithm of a Bayes factor: links are not linear."""
 
-_EVIDENCE = 6.0
+EVIDENCE = 6.0
 """Logarithm of the least Bayes factor by which something is taken in: a probability of 0.998 at even odds."""
 
 
@@ -278,7 +278,7 @@ def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:
 
 def _require(name: str) -> float:
     """Logarithm of the Bayes factor that is asked for."""
-    return _PROBABLE if name.endswith(": stribeck") else _EVIDENCE
+    return _PROBABLE if name.endswith(": stribeck") else EVIDENCE
 
 
 def _count_steps(fit: ArmFit, other: ArmModel) -> int:

@@ -119,6 +119,25 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
     return [other for _, other in sorted(gains, key=lambda pair: -pair[0])]
 
 
+def is_needless(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, less: ArmModel, evidence: float
+) -> bool:
+    """Whether a recording asks for no more than a model that lacks something, once the curves of that are its own.
+
+    What bends over the speed is weighed beside curves that stand still, and those of a wrong exponent ask for it.
+
+    Args:
+        rows: Motion and torques.
+        equations: Of these rows.
+        fit: Of these equations.
+        prior: How far the simulation is trusted.
+        less: The model of the fit without it.
+        evidence: Logarithm of the Bayes factor from which it is asked for.
+    """
+    there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, less, prior, fit), prior)
+    return _weigh_still(equations, fit, prior) < _weigh_still(moved, there, prior) + evidence
+
+
 def _weigh_still(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> float:
     """Logarithm of the evidence of the curves where they stand; nothing where one is none."""
     model = fit.model
