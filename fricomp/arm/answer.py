@@ -24,7 +24,7 @@ from .prior import ArmPrior
 from .robust_fit import fit_robustly
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
-from .search.stribeck import is_needless
+from .search.stribeck import fit_without
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -178,11 +178,11 @@ def _drop_needless_bend(
     """
     for j, form in enumerate(fit.model.forms):
         bends = [name for name in form.names if TERMS[name].family == "speed"]
-        if "stribeck" not in form.names or (j, form) in kept:
+        if (j, form) in kept:
             continue
         for name in bends:
-            less = without_term(fit.model, j, name)
-            if is_needless(rows, equations, fit, prior, less, EVIDENCE):
+            less, evidence = fit_without(rows, equations, fit, prior, without_term(fit.model, j, name), j)
+            if evidence < EVIDENCE:
                 return less
         kept.add((j, form))
     return None

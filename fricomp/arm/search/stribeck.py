@@ -119,12 +119,13 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
     return [other for _, other in sorted(gains, key=lambda pair: -pair[0])]
 
 
-def is_needless(
-    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, less: ArmModel, evidence: float
-) -> bool:
-    """Whether a recording asks for no more than a model that lacks something, once the curves of that are its own.
+def fit_without(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, less: ArmModel, joint: int
+) -> tuple[ArmModel, float]:
+    """A model that lacks something in a joint, with the curve that suits that.
 
-    What bends over the speed is weighed beside curves that stand still, and those of a wrong exponent ask for it.
+    Every friction law has a curve, and what bends over the speed is weighed beside one that stands still: a curve of a
+    wrong exponent, or none, asks for it.
 
     Args:
         rows: Motion and torques.
@@ -132,10 +133,24 @@ def is_needless(
         fit: Of these equations.
         prior: How far the simulation is trusted.
         less: The model of the fit without it.
-        evidence: Logarithm of the Bayes factor from which it is asked for.
+        joint: Number of the joint.
+
+    Returns:
+        The model, and the logarithm of the Bayes factor of the fit against it.
     """
+    if "stribeck" not in less.forms[joint].names:
+        glance = Glance(equations, fit, prior)
+        curves = [_with_curve(less, joint, k) for k in range(len(TERMS["stribeck"].values))]
+        curves = [one for one in curves if is_curve(glance.solve(hold_curve(one, joint)), joint)]
+        less = max(curves, key=glance.measure_gain, default=less)
     there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, less, prior, fit), prior)
-    return _weigh_still(equations, fit, prior) < _weigh_still(moved, there, prior) + evidence
+    return less, _weigh_still(equations, fit, prior) - _weigh_still(moved, there, prior)
+
+
+def _with_curve(model: ArmModel, joint: int, variant: int) -> ArmModel:
+    """The model with a curve in a joint that has none."""
+    form = model.forms[joint].with_term("stribeck", variant)
+    return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))
 
 
 def _weigh_still(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> float:
