@@ -181,9 +181,9 @@ def _drop_needless_bend(
         if (j, form) in kept:
             continue
         for name in bends:
-            less, evidence = fit_without(rows, equations, fit, prior, without_term(fit.model, j, name), j)
-            if evidence < EVIDENCE:
-                return less
+            instead = fit_without(rows, equations, fit, prior, without_term(fit.model, j, name), j)
+            if instead is not None and instead[1] < EVIDENCE:
+                return instead[0]
         kept.add((j, form))
     return None
 

@@ -121,8 +121,8 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
 
 def fit_without(
     rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, less: ArmModel, joint: int
-) -> tuple[ArmModel, float]:
-    """A model that lacks something in a joint, with the curve that suits that.
+) -> tuple[ArmModel, float] | None:
+    """A model that lacks something in a joint, with the curve that suits that; None where none falls with the speed.
 
     Every friction law has a curve, and what bends over the speed is weighed beside one that stands still: a curve of a
     wrong exponent, or none, asks for it.
@@ -142,7 +142,9 @@ def fit_without(
         glance = Glance(equations, fit, prior)
         curves = [_with_curve(less, joint, k) for k in range(len(TERMS["stribeck"].values))]
         curves = [one for one in curves if is_curve(glance.solve(hold_curve(one, joint)), joint)]
-        less = max(curves, key=glance.measure_gain, default=less)
+        if not curves:
+            return None
+        less = max(curves, key=glance.measure_gain)
     there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, less, prior, fit), prior)
     return less, _weigh_still(equations, fit, prior) - _weigh_still(moved, there, prior)
 
