@@ -269,7 +269,9 @@ def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term:
     """Part by which a joint's held-out error falls with a term.
 
     That of rows or that of means over 0.1 or 0.2 s, whichever falls furthest: a ripple shows in rows alone, and what
-    acts for longer among less noise.
+    acts for longer among less noise. Of a law without a factor, such as a gap's, also that of rows as they count in the
+    fit: it acts where the load turns, and what is left about the joint's own reversals hides it. What has a factor may
+    take what is left elsewhere for its own.
 
     A gain must do better than links that may weigh anything and a rotor that may be less than none: a sensor that asks
     for such a one is wrong in another way.
@@ -278,9 +280,12 @@ def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term:
     if term[1] == "torque_gain_error":
         opened = less.opened | frozenset(range(term[0], len(fit.arm.links)))
         less = replace(less, opened=opened, rotorless=less.rotorless - {term[0]})
-    rows, means = data.measure_model(less, fit)
-    joint = term[0]
+    joint, whole = term[0], TERMS[term[1]].whole
     after, before = (
-        np.array([one[joint], *more[:, joint]]) for one, more in ((errors.model, errors.means), (rows, means))
+        np.array([rows[joint], *means[:, joint], *([weighted[joint]] if whole else [])])
+        for rows, means, weighted in (
+            (errors.model, errors.means, errors.weighted),
+            data.measure_model(less, fit),
+        )
     )
     return float(np.max(1.0 - after / np.maximum(before, 1e-300)))

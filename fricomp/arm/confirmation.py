@@ -50,12 +50,14 @@ class HeldOutErrors:
         plain: Of links, rotors and such friction fitted together.
         model: Of the whole model.
         means: Of the whole model, over means of 0.1 and 0.2 s. Shape (2, n_joints).
+        weighted: Of the whole model, over rows that count as much as they do in the fit.
     """
 
     simulation: FloatArray
     plain: FloatArray
     model: FloatArray
     means: FloatArray
+    weighted: FloatArray
 
 
 def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
@@ -116,25 +118,35 @@ class ConfirmedData:
     def measure_errors(self, fit: ArmFit) -> HeldOutErrors:
         """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
         plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms), pinned=frozenset())
-        fold = self._block % _FOLDS
-        whole, means = self.measure_model(fit.model, fit)
+        fold, moving = self._block % _FOLDS, self.equations.moving.astype(np.float64)
+        whole, means, weighted = self.measure_model(fit.model, fit)
         simulated = [fit_plainly(self._arm, self.equations, fold != k)[1] for k in range(_FOLDS)]
         return HeldOutErrors(
-            simulation=_measure_rows(self.equations, _join_folds(fold, simulated)),
-            plain=_measure_rows(self.equations, self.leave_out(plain, fit)),
+            simulation=_measure_rows(_join_folds(fold, simulated), moving),
+            plain=_measure_rows(self.leave_out(plain, fit), moving),
             model=whole,
             means=means,
+            weighted=weighted,
         )
 
-    def measure_model(self, model: ArmModel, start: ArmFit) -> tuple[FloatArray, FloatArray]:
-        """Held-out errors of one model over rows, and over means [N·m] or [N]. Shapes (n_joints,), (2, n_joints).
+    def measure_model(self, model: ArmModel, start: ArmFit) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Held-out errors of one model over rows, over means, and over rows by their weights [N·m] or [N].
 
         How much a term matters should not hang on the bandwidth at which the parameters are known best: single rows
-        are the noisier the closer they are.
+        are the noisier the closer they are. And rows about a reversal, at which joints stick, are no place to see what
+        acts elsewhere.
+
+        Returns:
+            Shapes (n_joints,), (2, n_joints) and (n_joints,).
         """
         left = self.leave_out(model, start)
         means = [_measure_means(self.equations, left, spans) for spans in self._spans]
-        return _measure_rows(self.equations, left), np.stack(means)
+        weights = self.equations.weights.rows
+        return (
+            _measure_rows(left, self.equations.moving.astype(np.float64)),
+            np.stack(means),
+            _measure_rows(left, weights),
+        )
 
     def leave_out(self, model: ArmModel, start: ArmFit) -> FloatArray:
         """What one model leaves of rows by fits from `start` to blocks that they are not in. Shape (n, n_joints)."""
@@ -147,10 +159,9 @@ def _join_folds(fold: NDArray[np.intp], left: Sequence[FloatArray]) -> FloatArra
     return np.asarray(np.stack(left)[fold, np.arange(fold.size)])
 
 
-def _measure_rows(equations: ArmEquations, left: FloatArray) -> FloatArray:
-    """RMS over the rows that are compared. Shape (n_joints,)."""
-    used = equations.moving
-    return np.asarray(np.sqrt(np.sum(np.where(used, left, 0.0) ** 2, axis=0) / np.maximum(np.sum(used, axis=0), 1)))
+def _measure_rows(left: FloatArray, weights: FloatArray) -> FloatArray:
+    """RMS over rows by their weights. Shape (n_joints,)."""
+    return np.asarray(np.sqrt(np.sum(weights * left**2, axis=0) / np.maximum(np.sum(weights, axis=0), 1e-300)))
 
 
 def _list_spans(rows: ArmRows, mean: float) -> NDArray[np.intp]:

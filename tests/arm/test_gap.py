@@ -11,10 +11,14 @@ import pytest
 
 from fricomp import examine_arm as examine_log
 from fricomp.arm import ArmExamination, examine_arm
+from fricomp.arm.answer import _measure_fall
+from fricomp.arm.confirmation import ConfirmedData, HeldOutErrors
 from fricomp.arm.coordinates import ArmModel, Coordinates
+from fricomp.arm.fit import ArmFit
 from fricomp.arm.friction import PLAIN, JointForm
 from fricomp.arm.physics import is_physical
 from fricomp.arm.search.gap import Gap, GapSearch
+from fricomp.laws import FloatArray
 from fricomp.sim_bench.cases.arm import ArmSpec, generate_arm, write_arm_case
 
 from .moving_arm import record_arm, write_arm
@@ -76,6 +80,24 @@ def test_what_could_not_exist_before_speaks_against_no_term(healthy: ArmExaminat
     assert not is_physical(below)
     assert not is_physical(below, fit)
     assert is_physical(below, below)
+
+
+def test_a_gap_matters_by_the_rows_that_count_and_what_has_a_factor_by_all(healthy: ArmExamination) -> None:
+    """It acts where the load turns; what no model holds about the joint's own reversals is most of the error there."""
+
+    class Held(ConfirmedData):
+        def measure_model(self, model: ArmModel, start: ArmFit) -> tuple[FloatArray, FloatArray, FloatArray]:
+            return np.full(3, 1.0), np.full((2, 3), 1.0), np.full(3, 0.5)
+
+    found, ones = healthy.answer.identification, np.ones(3)
+    data = Held(found.fit.arm, found.equations, found.prior, found.rows)
+    errors = HeldOutErrors(
+        simulation=ones, plain=ones, model=0.98 * ones, means=np.full((2, 3), 0.97), weighted=0.3 * ones
+    )
+    for name, fall in (("backlash", 0.4), ("quadratic_drag", 0.03)):
+        forms = (JointForm(((name, 0),)), JointForm(), JointForm())
+        fit = replace(found.fit, model=ArmModel(forms))
+        assert _measure_fall(data, fit, errors, (0, name)) == pytest.approx(fall)
 
 
 @pytest.mark.slow

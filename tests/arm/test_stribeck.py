@@ -17,7 +17,7 @@ from fricomp.arm.friction import JointForm, stribeck_columns
 from fricomp.arm.glance import Glance
 from fricomp.arm.physics import find_reversed_term
 from fricomp.arm.rows import _find_rate
-from fricomp.arm.search.stribeck import is_curve
+from fricomp.arm.search.stribeck import fit_without, is_curve
 from fricomp.arm.uncertainty.averaging import average_friction
 from fricomp.arm.uncertainty.scatter import widen_covariance
 from fricomp.laws import BidirectionalStribeck, FloatArray
@@ -150,6 +150,28 @@ def test_a_rate_keeps_what_is_fast() -> None:
     time = 0.01 * np.arange(400)
     rate = _find_rate(np.sin(2.0 * np.pi * 10.0 * time)[:, None], 0.01)[20:-20, 0]
     np.testing.assert_allclose(rate, (20.0 * np.pi * np.cos(20.0 * np.pi * time))[20:-20], atol=0.005 * 20.0 * np.pi)
+
+
+def test_a_bend_over_the_speed_stands_against_the_curve_that_suits_its_joint(curved: ArmExamination) -> None:
+    found = curved.answer.identification
+    drag = replace(found.fit.model, forms=(JointForm((("quadratic_drag", 0),)), *found.fit.model.forms[1:]))
+    fit = fit_arm(found.fit.arm, found.equations, drag, found.prior, found.fit)
+    plain = without_term(drag, 0, "quadratic_drag")
+    instead = fit_without(found.rows, found.equations, fit, found.prior, plain, 0)
+    assert instead is not None
+    model, evidence = instead
+    assert model.forms[0].names == ("stribeck",)
+    assert evidence < -50.0
+
+
+def test_where_no_curve_falls_with_the_speed_none_stands_against_a_bend(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    drag = record_arm(simulation, lambda j, _, v, __: 0.3 * (j == 1) * v * np.abs(v), noise=0.1, duration=20.0)
+    found = examine_arm(drag, simulation).answer.identification
+    assert "quadratic_drag" in found.fit.model.forms[1].names
+    plain = without_term(found.fit.model, 1, "quadratic_drag")
+    instead = fit_without(found.rows, found.equations, found.fit, found.prior, plain, 1)
+    assert instead is None or instead[1] > 50.0
 
 
 def test_a_term_that_comes_out_below_zero_is_none(curved: ArmExamination) -> None:

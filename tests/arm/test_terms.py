@@ -66,7 +66,7 @@ def test_what_is_weak_is_named_by_means_over_which_noise_averages_out(tmp_path: 
     assert names_of(examined.record) == {"shoulder": [], "elbow": ["position_coulomb"], "wrist": []}
     found = examined.answer.identification
     fit, data = found.fit, ConfirmedData(found.fit.arm, found.equations, found.prior, found.rows)
-    (_, after), (_, before) = (
+    (_, after, _), (_, before, _) = (
         data.measure_model(model, fit) for model in (fit.model, without_term(fit.model, 1, "position_coulomb"))
     )
     falls = 1.0 - after[:, 1] / before[:, 1]
