@@ -24,7 +24,7 @@ from .prior import ArmPrior
 from .robust_fit import fit_robustly
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
-from .search.stribeck import fit_without
+from .search.stribeck import suit_curve
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -181,10 +181,35 @@ def _drop_needless_bend(
         if (j, form) in kept:
             continue
         for name in bends:
-            instead = fit_without(rows, equations, fit, prior, without_term(fit.model, j, name), j)
+            instead = suit_curve(rows, equations, fit, prior, without_term(fit.model, j, name), j)
             if instead is not None and instead[1] < EVIDENCE:
                 return instead[0]
         kept.add((j, form))
+    return None
+
+
+def _free_viscous(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, freed: set[int]
+) -> ArmModel | None:
+    """The model in which viscous friction that was held at zero is free beside a curve that suits it; None for no such.
+
+    While terms are chosen it may be below zero, and makes up for a curve that falls over most speeds.
+
+    Args:
+        rows: Motion and torques.
+        equations: Of these rows.
+        fit: Of these equations.
+        prior: How far the simulation is trusted.
+        freed: Joints at which that was tried; those that are tried are added.
+    """
+    for j, form in enumerate(fit.model.forms):
+        if (j, "viscous") not in fit.model.pinned or j in freed or "power_law_viscous" in form.names:
+            continue
+        freed.add(j)
+        free = replace(fit.model, pinned=frozenset(one for one in fit.model.pinned if one[0] != j))
+        other = suit_curve(rows, equations, fit, prior, free, j)
+        if other is not None and other[1] < 0.0:
+            return other[0]
     return None
 
 
@@ -220,6 +245,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
     bent: set[tuple[int, JointForm]] = set()
+    freed: set[int] = set()
     while True:
         widened = widen_covariance(fit, equations, rows)
         less = (
@@ -228,6 +254,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             or _drop_far_gain(fit, prior)
             or _drop_reversed_term(fit)
             or _drop_needless_bend(rows, equations, fit, prior, bent)
+            or _free_viscous(rows, equations, fit, prior, freed)
         )
         if less is not None:
             fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)

@@ -17,7 +17,7 @@ from fricomp.arm.friction import JointForm, stribeck_columns
 from fricomp.arm.glance import Glance
 from fricomp.arm.physics import find_reversed_term
 from fricomp.arm.rows import _find_rate
-from fricomp.arm.search.stribeck import fit_without, is_curve
+from fricomp.arm.search.stribeck import is_curve, suit_curve
 from fricomp.arm.uncertainty.averaging import average_friction
 from fricomp.arm.uncertainty.scatter import widen_covariance
 from fricomp.laws import BidirectionalStribeck, FloatArray
@@ -157,7 +157,7 @@ def test_a_bend_over_the_speed_stands_against_the_curve_that_suits_its_joint(cur
     drag = replace(found.fit.model, forms=(JointForm((("quadratic_drag", 0),)), *found.fit.model.forms[1:]))
     fit = fit_arm(found.fit.arm, found.equations, drag, found.prior, found.fit)
     plain = without_term(drag, 0, "quadratic_drag")
-    instead = fit_without(found.rows, found.equations, fit, found.prior, plain, 0)
+    instead = suit_curve(found.rows, found.equations, fit, found.prior, plain, 0)
     assert instead is not None
     model, evidence = instead
     assert model.forms[0].names == ("stribeck",)
@@ -170,7 +170,7 @@ def test_where_no_curve_falls_with_the_speed_none_stands_against_a_bend(tmp_path
     found = examine_arm(drag, simulation).answer.identification
     assert "quadratic_drag" in found.fit.model.forms[1].names
     plain = without_term(found.fit.model, 1, "quadratic_drag")
-    instead = fit_without(found.rows, found.equations, found.fit, found.prior, plain, 1)
+    instead = suit_curve(found.rows, found.equations, found.fit, found.prior, plain, 1)
     assert instead is None or instead[1] > 50.0
 
 

@@ -119,10 +119,10 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
     return [other for _, other in sorted(gains, key=lambda pair: -pair[0])]
 
 
-def fit_without(
-    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, less: ArmModel, joint: int
+def suit_curve(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, other: ArmModel, joint: int
 ) -> tuple[ArmModel, float] | None:
-    """A model that lacks something in a joint, with the curve that suits that; None where none falls with the speed.
+    """Another model of a joint with the curve that suits that; None where none falls with the speed.
 
     Every friction law has a curve, and what bends over the speed is weighed beside one that stands still: a curve of a
     wrong exponent, or none, asks for it.
@@ -132,21 +132,21 @@ def fit_without(
         equations: Of these rows.
         fit: Of these equations.
         prior: How far the simulation is trusted.
-        less: The model of the fit without it.
-        joint: Number of the joint.
+        other: The model of the fit without something, or with something that was held, in that joint.
+        joint: Its number.
 
     Returns:
-        The model, and the logarithm of the Bayes factor of the fit against it.
+        That model, and the logarithm of the Bayes factor of the fit against it.
     """
-    if "stribeck" not in less.forms[joint].names:
+    if "stribeck" not in other.forms[joint].names:
         glance = Glance(equations, fit, prior)
-        curves = [_with_curve(less, joint, k) for k in range(len(TERMS["stribeck"].values))]
+        curves = [_with_curve(other, joint, k) for k in range(len(TERMS["stribeck"].values))]
         curves = [one for one in curves if is_curve(glance.solve(hold_curve(one, joint)), joint)]
         if not curves:
             return None
-        less = max(curves, key=glance.measure_gain)
-    there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, less, prior, fit), prior)
-    return less, _weigh_still(equations, fit, prior) - _weigh_still(moved, there, prior)
+        other = max(curves, key=glance.measure_gain)
+    there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, other, prior, fit), prior)
+    return other, _weigh_still(equations, fit, prior) - _weigh_still(moved, there, prior)
 
 
 def _with_curve(model: ArmModel, joint: int, variant: int) -> ArmModel:
