@@ -91,6 +91,12 @@ def motion(kind: str, duration: float, seed: int = 0) -> tuple[FloatArray, Float
             v += amplitude * w * np.cos(w * t + angle)
             a -= amplitude * w * w * np.sin(w * t + angle)
         return q, v, a
+    if kind == "small":
+        ways = np.array([0.06, 0.05, 0.04, 0.03])[:, None]
+        rates = 2 * np.pi * np.array([0.3, 0.7, 1.7, 3.1])[:, None]
+        at = rates * t + rng.uniform(0, 2 * np.pi, (4, 1))
+        parts = (ways * np.sin(at), ways * rates * np.cos(at), -ways * rates**2 * np.sin(at))
+        return parts[0].sum(axis=0), parts[1].sum(axis=0), parts[2].sum(axis=0)
     if kind == "slow":
         w = 2 * np.pi * 0.05
         return 0.5 * np.sin(w * t), 0.5 * w * np.cos(w * t), -0.5 * w * w * np.sin(w * t)

@@ -30,7 +30,8 @@ from ..record.file_errors import FileErrors, ModelErrors
 from ..record.result import FileSeries
 from .settings import DELIVERY
 
-_GIVEN = ("inertia", "gravity_cosine", "gravity_sine")
+_GRAVITY = ("gravity_cosine", "gravity_sine")
+_GIVEN = ("inertia", *_GRAVITY)
 _BASE, _NAMED = "the base model", "the model with what was named"
 
 
@@ -117,10 +118,20 @@ class _Settled:
 
 def _settle(model: FrictionModel, motion: RecordedMotion, held: Sequence[str] = ()) -> _Settled:
     """The model refitted, or as it was where that is as good; with the fits to all but each fold."""
-    refit = refit_model(model, [motion], held=(*_list_held(model), *held))
-    before, after = (measure_torque_error(one, motion).rms for one in (model, refit.model))
-    kept = before <= (1.0 + DELIVERY.as_good) * after
+    held = (*_list_held(model), *held)
+    refit = refit_model(model, [motion], held=(*held, *_GRAVITY))
+    if model.motion == "rotary" and not set(_GRAVITY) <= set(held):
+        free = refit_model(model, [motion], held=held, fold=False).model
+        if not _is_as_good(refit.model, free, motion, DELIVERY.same_gravity):
+            refit = refit_model(free, [motion], held=held)
+    kept = _is_as_good(model, refit.model, motion, DELIVERY.as_good)
     return _Settled(model if kept else refit.model, refit.folds)
+
+
+def _is_as_good(model: FrictionModel, refit: FrictionModel, motion: RecordedMotion, share: float) -> bool:
+    """Whether the error of a model exceeds that of its refit by no more than this share."""
+    before, after = (measure_torque_error(one, motion).rms for one in (model, refit))
+    return before <= (1.0 + share) * after
 
 
 def _list_held(model: FrictionModel) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from ..effects.settings import EFFECT
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..record.result import Quantity
-from .refitted import RefittedJoint
+from .refitted import SPLIT_BY_PRESLIDING, RefittedJoint
 from .settings import UNDETERMINED
 
 _LARGEST = 100.0
@@ -36,6 +36,15 @@ def list_undetermined(refitted: RefittedJoint, units: tuple[str, str]) -> tuple[
         own = [one for name, one in refitted.structure.parameters if name == owner and one.name in numbers]
         found += [f"{owner}.{one.name}" for one in own if _is_open_of_effect(one, numbers)]
     return tuple(found)
+
+
+def cancels_with_gravity(refitted: RefittedJoint) -> bool:
+    """Whether what sliding shows of a constant torque, with the difference of the directions, may all be gravity, as
+    over a small angle."""
+    line: FloatArray = np.zeros(refitted.fit.theta.size)
+    line[[BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]] = 1.0, 0.5, -0.5
+    half = 1.96 * float(np.sqrt(max(float(line @ refitted.covariance @ line), 0.0)))
+    return _may_be_nothing(half, float(line @ refitted.fit.theta), _measure_sizes(refitted)["offset"])
 
 
 def _measure_sizes(refitted: RefittedJoint) -> dict[str, float]:
@@ -67,8 +76,12 @@ def _is_open(refitted: RefittedJoint, name: str, size: float) -> bool:
         factor = 1.96 * float(refitted.deviations[BASE_NAMES.index("log_inertia")])
         return bool(np.sinh(min(factor, _LARGEST)) > UNDETERMINED.ratio)
     index = BASE_NAMES.index(name)
-    half, value = 1.96 * float(refitted.deviations[index]), abs(float(refitted.fit.theta[index]))
-    return half > UNDETERMINED.ratio * value and half * size > UNDETERMINED.matters
+    return _may_be_nothing(1.96 * float(refitted.deviations[index]), float(refitted.fit.theta[index]), size)
+
+
+def _may_be_nothing(half: float, value: float, size: float) -> bool:
+    """Whether a number may be nothing or twice itself, and that matters in these motions."""
+    return half > UNDETERMINED.ratio * abs(value) and half * size > UNDETERMINED.matters
 
 
 def _is_open_of_effect(parameter: EffectParameter, numbers: Mapping[str, Quantity]) -> bool:

@@ -34,7 +34,7 @@ from ..record.result import (
     RowSeries,
     VerdictName,
 )
-from ..record.sentence import Notes, write_record
+from ..record.sentence import WITHOUT_SIMULATION, Notes, write_record
 from .held_out import Fitted, compute_fall, fit_held_out, read_number
 from .models import Candidate, find_highest_order, list_candidates, replace_delay, write_plain_model
 from .settings import LOW_RATE
@@ -257,7 +257,7 @@ def _write(given: Given, motion: RecordedMotion, found: _Found, remarks: Sequenc
         joint=given.recordings[0].metadata.joint,
     )  # fmt: skip
     notes = Notes(
-        opening=_write_opening(word, motion),
+        opening=_write_opening(word, motion, given),
         facts=(
             *(f"{name} is not named: {why}." for name, why in against.items()),
             *_list_facts(given, motion, last, torque),
@@ -279,10 +279,12 @@ def _join_fits(found: _Found) -> list[tuple[Candidate, Fitted, Fitted]]:
     return list(zip(found.named, found.fits[:-1], found.fits[1:], strict=True))
 
 
-def _write_opening(word: VerdictName, motion: RecordedMotion) -> str:
-    """The first sentence, where the usual one would say more than such a rate shows."""
+def _write_opening(word: VerdictName, motion: RecordedMotion, given: Given) -> str:
+    """The first sentence, where the usual one would say more than such a rate shows or than was given."""
     if word != "consistent":
-        return ""
+        return (
+            WITHOUT_SIMULATION if word == "missing_physics" and given.rigid is None and given.friction is None else ""
+        )
     return f"Nothing is missing of what {1.0 / motion.dt:.3g} samples a second show."
 
 

@@ -31,6 +31,9 @@ LAWLESS = (
 )
 """Opening where a late drive is all that can be said."""
 
+WITHOUT_SIMULATION = "This recording shows physics that a rigid joint with friction leaves out."
+"""Opening where physics is missing and no simulation was given."""
+
 LITTLE_LEFT = "Nothing is missing that matters."
 """Opening where something small is left that no effect explains."""
 

@@ -25,16 +25,21 @@ from .settings import VERDICT
 _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 
-def write_base_model(recordings: Sequence[Recording], baseline: Baseline) -> FrictionModel:
-    """Friction of the refitted base."""
+def write_base_model(recordings: Sequence[Recording], baseline: Baseline, *, cancels: bool = False) -> FrictionModel:
+    """Friction of the refitted base; `cancels` says whether its constant torque may all be gravity."""
     plant = baseline.structure.unpack_plant(baseline.fit.theta)
-    terms = (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),)
-    dynamics = _describe_dynamics(plant, late=-baseline.structure.contexts[0].acts_late)
-    return _write_model(recordings, baseline.structure.contexts, terms, (plant, dynamics))
+    shared = _share_offset(plant, cancels=cancels)
+    terms = (BidirectionalStribeck(*_build_pair(shared, VERDICT.exponent)),)
+    dynamics = _describe_dynamics(shared, late=-baseline.structure.contexts[0].acts_late)
+    return _write_model(recordings, baseline.structure.contexts, terms, dynamics, plant.offset)
 
 
 def write_extended_model(
-    recordings: Sequence[Recording], chosen: Explanation | None, given: Spring | None = None
+    recordings: Sequence[Recording],
+    chosen: Explanation | None,
+    given: Spring | None = None,
+    *,
+    cancels: bool = False,
 ) -> FrictionModel | None:
     """Friction with the named effects, refitted together; None where no effect belongs to a friction law.
 
@@ -63,9 +68,10 @@ def write_extended_model(
         Contribution(),
     )
     added = late.delay + sum(late.lags) - chosen.structure.contexts[0].acts_late
-    dynamics = _describe_dynamics(plant, max(shares, default=0.0), added)
-    core = _build_core(plant, changes)
-    return _write_model(recordings, chosen.structure.contexts, (core, *terms), (plant, dynamics))
+    shared = _share_offset(plant, cancels=cancels)
+    dynamics = _describe_dynamics(shared, max(shares, default=0.0), added)
+    core = _build_core(shared, changes)
+    return _write_model(recordings, chosen.structure.contexts, (core, *terms), dynamics, plant.offset)
 
 
 def _describe_dynamics(plant: Plant, load_share: float = 0.0, late: float = 0.0) -> JointDynamics:
@@ -81,7 +87,7 @@ def _describe_dynamics(plant: Plant, load_share: float = 0.0, late: float = 0.0)
         inertia=plant.inertia,
         gravity_cosine=plant.gravity[0],
         gravity_sine=plant.gravity[1],
-        offset=plant.offset - _share_offset(plant),
+        offset=plant.offset,
         load_inertia=load_share * plant.inertia,
         torque_delay=plant.delay + late,
     )
@@ -102,36 +108,38 @@ def _build_core(plant: Plant, changes: Mapping[str, float]) -> Term:
 
 
 def _build_pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
-    """The curves of both directions, with the constant torque that was fitted beside them.
-
-    While the joint slides it cannot be told from a difference between the directions, and nothing else of the model
-    would make it: friction and rigid body together are to give the recorded torque.
-    """
-    shift = _share_offset(plant)
-    forward, reverse = (
-        StribeckCurve(c + sign * shift, s + sign * shift, v, f, exponent)
-        for (c, s, v, f), sign in ((plant.forward, 1.0), (plant.reverse, -1.0))
-    )
+    """The curves of both directions."""
+    forward, reverse = (StribeckCurve(*curve, exponent) for curve in (plant.forward, plant.reverse))
     return forward, reverse
 
 
-def _share_offset(plant: Plant) -> float:
-    """The constant torque that friction can hold without driving the joint in either direction."""
-    return plant.offset if abs(plant.offset) < min(plant.forward[0], plant.reverse[0]) else 0.0
+def _share_offset(plant: Plant, *, cancels: bool) -> Plant:
+    """The joint with its constant torque in the curves of both directions, where they hold it without driving it.
+
+    While the joint slides it cannot be told from a difference between the directions, and nothing else of the model
+    would make it: friction and rigid body together are to give the recorded torque. One that cancels with gravity, as
+    over a small angle, stays beside that.
+    """
+    shift = plant.offset
+    if cancels or abs(shift) >= min(plant.forward[0], plant.reverse[0]):
+        return plant
+    forward, reverse = (
+        (c + sign * shift, s + sign * shift, v, f)
+        for (c, s, v, f), sign in ((plant.forward, 1.0), (plant.reverse, -1.0))
+    )
+    return replace(plant, offset=0.0, forward=forward, reverse=reverse)
 
 
 def _write_model(
     recordings: Sequence[Recording],
     contexts: Sequence[Context],
     terms: tuple[Term, ...],
-    joint: tuple[Plant, JointDynamics],
+    dynamics: JointDynamics,
+    offset: float,
 ) -> FrictionModel:
-    (plant, dynamics), metadata = joint, recordings[0].metadata
-    shift = _share_offset(plant)
-    said = f"{shift:.4g} {metadata.torque_unit} in the forward curve, less it in the reverse curve"
-    said = (
-        said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, in the dynamics of this model"
-    )
+    metadata = recordings[0].metadata
+    where = "in the dynamics of this model" if dynamics.offset else "in the forward curve, less it in the reverse curve"
+    said = f"{offset:.4g} {metadata.torque_unit} {where}"
     law, speeds = FrictionLaw(terms), np.concatenate([context.velocity for context in contexts])
     warm = all("temperature" in context.channels for context in contexts)
     model = FrictionModel(

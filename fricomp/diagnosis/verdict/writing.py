@@ -11,7 +11,7 @@ from ..delivery.models import Delivery, deliver_models
 from ..effects import EFFECTS
 from ..evidence.findings import Findings
 from ..evidence.location import map_excess
-from ..evidence.undetermined import list_undetermined
+from ..evidence.undetermined import cancels_with_gravity, list_undetermined
 from ..inputs.given import Given
 from ..joint.base import BASE_NAMES
 from ..record.result import (
@@ -29,6 +29,7 @@ from ..record.sentence import (
     LITTLE_LEFT,
     NO_MOTION,
     NOTHING_BUT_SHARED,
+    WITHOUT_SIMULATION,
     Notes,
     describe_detent,
     describe_rest,
@@ -107,12 +108,13 @@ def _deliver(findings: Findings, verdict: Verdict, undetermined: Sequence[str]) 
     case, sample = findings.case, verdict.sample
     if sample is not None and sample.lawless:
         return None
-    base = write_base_model(case.recordings, case.baseline)
+    cancels = cancels_with_gravity(findings.refitted)
+    base = write_base_model(case.recordings, case.baseline, cancels=cancels)
     if sample is None:
-        extended = write_extended_model(case.recordings, findings.chosen, case.spring)
+        extended = write_extended_model(case.recordings, findings.chosen, case.spring, cancels=cancels)
     else:
-        rows = write_extended_model(case.recordings, findings.chosen, case.spring) if sample.waves else None
-        extended = sample.extend(rows or base)
+        rows = write_extended_model(case.recordings, findings.chosen, case.spring, cancels=cancels)
+        extended = sample.extend((rows if sample.waves else None) or base)
     named = [one.name for one in verdict.effects if one.kind == "physics"]
     missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
     names = [rows.name for rows in findings.series]
@@ -187,6 +189,8 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
         opening = NOTHING_BUT_SHARED
     elif verdict.sample is not None and verdict.sample.lawless:
         opening = LAWLESS
+    elif verdict.word == "missing_physics" and findings.case.rigid is None and findings.case.friction is None:
+        opening = WITHOUT_SIMULATION
     if verdict.undecided and proposal is None:
         facts.append(NO_MOTION)
     if verdict.sample is None or verdict.sample.waves:

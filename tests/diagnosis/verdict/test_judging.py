@@ -68,7 +68,7 @@ def test_sentences_stand_in_one_order_and_remarks_come_last() -> None:
     trial = Trial(chosen=known_fit(baseline, ("cogging",), 50.0))
     findings = known_findings(baseline, trial=trial, effects=(effect,))
     record = write_diagnosis(findings, judge(findings), forward=_FORWARD, remarks=("noticed",)).record
-    assert record.sentences[0].startswith("The simulation leaves out physics")
+    assert record.sentences[0].startswith("This recording shows physics")
     assert record.sentences[-3] == NO_MOTION
     assert record.sentences[-2].startswith("Simulated forward in MuJoCo")
     assert record.sentences[-1] == "noticed"
