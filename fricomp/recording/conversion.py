@@ -1,6 +1,7 @@
 """From a foreign file to recordings, as a mapping says."""
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from fricomp.recording.validity import drop_twins, find_usable_rows, mend_stamps
 
 Samples = NDArray[np.float64]
 
+_UNNAMED = "recording"
 _SI = {
     "time": ("s", "s"),
     "position": ("rad", "m"),
@@ -79,7 +81,8 @@ def convert(path: str | Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
     """Return the recordings that a mapping finds in a source, in the order of the mapping.
 
     Args:
-        path: File, or the folder of a rosbag2.
+        path: File, the folder of a rosbag2, or a folder of files that the mapping knows; where it names none, all files
+            in it of the usual kind are read alike, and each is called as its file is.
         mapping: What is where; see `load_mapping`.
 
     Raises:
@@ -88,11 +91,47 @@ def convert(path: str | Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
         MissingExtraError: The package that reads the format is not installed.
     """
     path = Path(path)
+    if path.is_dir() and not (path / "metadata.yaml").is_file() and path.name not in _list_known(mapping):
+        return _convert_folder(path, mapping)
     plans = _plan(mapping, path)
     keys = dict.fromkeys(key for plan in plans for key in _wanted_keys(plan))
     source = plans[0].file.source or mapping.source
     columns = read_columns(path, source, keys, skip_bad_rows=mapping.skip_bad_rows)
     return tuple(_build(plan, columns, mapping, path) for plan in plans)
+
+
+def _convert_folder(folder: Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
+    """The recordings of all files in a folder that the mapping knows, or of all of its usual kind where it names none.
+
+    Where the mapping has a file in a folder, it may lie there or beside the others.
+    """
+    if not mapping.files:
+        inside = [one for one in sorted(folder.iterdir()) if one.is_file() and not one.name.startswith(".")]
+        kinds = Counter(one.suffix.lower() for one in inside).most_common(1)
+        logs = [one for one in inside if one.suffix.lower() == kinds[0][0]]
+        return tuple(
+            replace(named, name=_name_in(one.stem, named.name)) for one in logs for named in convert(one, mapping)
+        )
+    known = dict.fromkeys(rule.file for rule in mapping.files)
+    logs = [one for one in (_find_inside(folder, name) for name in known) if one is not None]
+    if not logs:
+        raise RecordingError(f"{folder} has no file that the mapping knows: it has {', '.join(known)}")
+    return tuple(named for one in logs for named in convert(one, mapping))
+
+
+def _name_in(stem: str, name: str) -> str:
+    """What a recording of one of several files is called."""
+    return stem if name == _UNNAMED else f"{stem}/{name}"
+
+
+def _find_inside(folder: Path, name: str) -> Path | None:
+    """The file of this name, where the mapping has it or directly in the folder; None where there is none."""
+    return next((one for one in (folder / name, folder / Path(name).name) if one.exists()), None)
+
+
+def _list_known(mapping: Mapping) -> list[str]:
+    """Names of the files that a mapping knows."""
+    return [Path(rule.file).name for rule in mapping.files]
 
 
 def _plan(mapping: Mapping, path: Path) -> list[_Plan]:
@@ -116,7 +155,7 @@ def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
         extras = [metadata_from_fields({"extra": level.get("extra", {})}).extra for level in levels]
         merged = {**fields, "extra": {name: value for extra in extras for name, value in extra.items()}}
         channels = {**mapping.channels, **joint.channels, **file.channels}
-        name = "/".join(part for part in parts if part) or "recording"
+        name = "/".join(part for part in parts if part) or _UNNAMED
         plans.append(_Plan(name, joint, number, file, channels, metadata_from_fields(merged)))
     return plans
 

@@ -351,3 +351,20 @@ def test_a_scaled_number_that_was_read_as_unsigned_is_read_by_its_range(tmp_path
     assert "signed_range" in text
     found = _one(tmp_path / "log.npz", text)
     assert found.torque == pytest.approx([0.00269 * k for k in (3, -5, 0, -200)], abs=2e-3)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_folder_of_files_is_read_by_one_mapping(tmp_path: Path, *, known: bool) -> None:
+    files = "".join(f'[[files]]\nname = "{n}"\nfile = "raw/log_{n}.csv"\n' for n in "ab") if known else ""
+    for name in "ab":
+        np.savetxt(tmp_path / f"log_{name}.csv", TABLE, delimiter=",")
+    (tmp_path / "README.md").write_text("Logs of one afternoon.")
+    found = convert(tmp_path, _mapping(f'{files}[source]\nformat = "text"\ndelimiter = ","\n{_NUMBERED}'))
+    assert [one.name for one in found] == (["a", "b"] if known else ["log_a", "log_b"])
+    assert all(np.allclose(one.recording.position, POSITION) for one in found)
+
+
+def test_a_folder_without_any_file_of_the_mapping_is_refused_with_those_it_knows(tmp_path: Path) -> None:
+    (tmp_path / "other.csv").write_text("1,2,3\n")
+    with pytest.raises(RecordingError, match=r"no file that the mapping knows: it has log\.csv"):
+        convert(tmp_path, _mapping(f'[[files]]\nname = "a"\nfile = "log.csv"\n{_NUMBERED}'))
