@@ -96,6 +96,7 @@ class Track:
         usual_delay: By how much its torque is late without any flaw, and how far that strays [s].
         delays: Earliest and latest that a torque without any flaw comes [s].
         acts_late: Time by which the recorded torque was moved, since it acts so long after its stamp [s].
+        missing: Samples at which no row was recorded, which lie on straight lines; empty where none are. Shape (n,).
         source: Number of the recording that it is a part of: an encoder's zero and a payload are the same in all parts.
     """
 
@@ -114,6 +115,7 @@ class Track:
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
     delays: tuple[float, float] = (-5e-4, 5e-4)
     acts_late: float = 0.0
+    missing: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     source: int = 0
 
     @property
@@ -125,6 +127,16 @@ class Track:
     def time(self) -> FloatArray:
         """Time since the first sample [s]. Shape (n,)."""
         return np.arange(self.size, dtype=np.float64) * np.float64(self.dt)
+
+    def bridge(self, values: FloatArray) -> FloatArray:
+        """Values with straight lines where this track has no row. Shape (n,)."""
+        if not self.missing.any():
+            return values
+        bridged: FloatArray = np.array(values)
+        bridged[self.missing] = np.interp(
+            np.flatnonzero(self.missing), np.flatnonzero(~self.missing), values[~self.missing]
+        )
+        return bridged
 
     @cached_property
     def waves(self) -> tuple[FloatArray, FloatArray]:

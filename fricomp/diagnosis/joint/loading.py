@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from fricomp.errors import DiagnosisError
@@ -117,7 +118,7 @@ def _remove_spring(track: Track, spring: Spring) -> Track:
 
 def _build_track(recording: Recording, loop: Controller | None, dt: float, name: str) -> Track:
     time = np.asarray(recording.time) - recording.time[0]
-    grid = np.arange(int(time[-1] / dt + 1e-6) + 1) * dt
+    grid: FloatArray = np.arange(int(time[-1] / dt + 1e-6) + 1) * np.float64(dt)
     uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
 
     def sample(values: FloatArray) -> FloatArray:
@@ -149,4 +150,14 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
         noise=noise,
     )
     resolution = recording.metadata.encoder_resolution or find_encoder_step(position)
-    return replace(track, resolution=resolution, loop=None if recording.sample_period > 1.5 * dt else loop)
+    slow = recording.sample_period > 1.5 * dt
+    missing = np.zeros(0, dtype=bool) if slow or uniform else _mark_missing(time, grid, dt)
+    return replace(track, resolution=resolution, missing=missing, loop=None if slow else loop)
+
+
+def _mark_missing(time: FloatArray, grid: FloatArray, dt: float) -> NDArray[np.bool_]:
+    """The samples of a grid that lie in a step of time from which rows are missing, off both ends. Shape (n,)."""
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    lost = np.diff(time)[after - 1] > JOINT.missing_step * dt
+    off: NDArray[np.bool_] = np.minimum(grid - time[after - 1], time[after] - grid) > 0.5 * dt
+    return lost & off

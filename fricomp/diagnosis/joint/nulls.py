@@ -194,15 +194,20 @@ def _smooth(track: Track) -> FloatArray:
 def _draw_null(
     track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
 ) -> Track:
-    """Record a joint that `applied` moves along `position`, with fresh noise, rounding and a small delay."""
+    """Record a joint that `applied` moves along `position`, with fresh noise, rounding, a small delay and the same rows
+    missing."""
     torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
     if track.position_noise.jitter > 0.0:
         late = track.position_noise.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
-    torque = torque + track.unrest * drawn
+    torque = track.bridge(torque + track.unrest * drawn)
+    if track.missing.any():  # what a loop does from row to row is not known where there is no row
+        restless = float(np.std((track.torque - _smooth(track))[~track.missing]))
+        torque = torque + np.where(track.missing, restless * rng.standard_normal(track.size), 0.0)
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
+    position = track.bridge(position)
     return replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
 
 

@@ -55,6 +55,8 @@ class JointSettings:
     """Lowest Stribeck velocity, in the top speed of the motion: a lower one is dry friction for all that rows show."""
     held_scale: float = 1e-9
     """Scale of a parameter that is not fitted, in its own unit. It is only small enough to leave no trace."""
+    missing_step: float = 1.6
+    """Step of time, in samples, from which on a row is missing. Stamps that jitter are closer."""
     largest_damping_time: float = 0.012
     """Largest sigma_1 / sigma_0 of a bristle of the base [s]. A larger one lets damping stand for the static
     friction that a stiff bristle shows."""

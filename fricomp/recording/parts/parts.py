@@ -20,6 +20,7 @@ from fricomp.recording.checks.torque_causes import Register, find_register, read
 from fricomp.recording.clock import Clock, mend_clock
 from fricomp.recording.parts.bursts import spread_bursts
 from fricomp.recording.parts.holds import find_stale_rows, thin_held_rows
+from fricomp.recording.parts.missing import count_missing_rows
 from fricomp.recording.parts.rests import find_rests
 from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwrap_position
 from fricomp.recording.recording import Recording
@@ -34,7 +35,7 @@ SHORTEST_PART = 1.0
 """Length below which a part is left out: slow and fast motion and a reversal do not fit into it [s]."""
 _BRIDGED = 0.03
 """Gap that is no cut [s], where all of them are short: a straight line over it is off by less than a low-pass sees."""
-_MOST_BRIDGED = 0.01
+_MOST_BRIDGED = 0.05
 """Part of the time that may be bridged."""
 _MOST_STUCK = 0.5
 """Part of the rows above which stuck ones are not left out."""
@@ -106,6 +107,7 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     whole, turned = unwrapped
     whole, unfolded = _read_true_torque(whole)
     whole, jumps, strays = _leave_strays(whole)
+    whole, missing = count_missing_rows(whole)
     whole, thinned, rests = _leave_rests(whole)
     whole, begins, clock, slowed = _even_rate(whole, jumps)
     stuck = find_stuck_rows(whole)
@@ -119,7 +121,8 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     kept, parts, short = _cut(whole, ~(stuck | idle), begins)
     left_out = tuple(one for one in (*strays, rests, *useless, short) if one.rows)
     arrived = () if bursts is None else (bursts.sentence,)
-    changes = (*arrived, *turned, *unfolded, *thinned, *slowed)
+    counted = () if missing is None else (missing.sentence,)
+    changes = (*arrived, *turned, *unfolded, *counted, *thinned, *slowed)
     return UsableParts(recording, kept, parts, left_out, clock, changes, len(recording), recording.duration)
 
 

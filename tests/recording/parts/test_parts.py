@@ -43,6 +43,15 @@ def test_a_gap_that_a_straight_line_bridges_cuts_nothing() -> None:
     assert len(usable.parts) == 1
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_rows_lost_in_bursts_all_along_cut_nothing(seed: int) -> None:
+    log, rng = joint_log(20.0, 1000.0), np.random.default_rng(seed)
+    keep = np.ones(len(log), dtype=bool)
+    for row in rng.integers(20, len(log) - 20, 70):
+        keep[row : row + rng.integers(2, 14)] = False
+    assert len(find_usable_parts(log.rows(keep)).parts) == 1
+
+
 @pytest.mark.parametrize("rest", [20.0, 46.0])
 def test_a_long_rest_is_left_out_and_two_seconds_beside_the_motion_stay(rest: float) -> None:
     log, n = joint_log(32.0, 250.0, 5), round(rest * 250)
