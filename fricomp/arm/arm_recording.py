@@ -12,7 +12,7 @@ from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.recording.parts.holds import thin_held_rows
 
-from .direction import find_rests
+from .log.direction import find_rests
 from .log.instants import place_rows
 from .record import JointFrame
 

@@ -19,7 +19,7 @@ from scipy.signal import butter, sosfiltfilt
 from fricomp.laws import FloatArray
 
 from .arm_recording import ArmPart, ArmRecording
-from .direction import find_step
+from .log.direction import find_step
 from .rigid.inertia import N_INERTIA
 from .rigid.regressor import N_GRAVITY, compute_regressors
 from .rigid.simulated_arm import SimulatedArm

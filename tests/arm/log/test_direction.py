@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.arm.direction import find_rests, find_step
+from fricomp.arm.log.direction import find_rests, find_step
 from fricomp.laws import FloatArray
 
 _RATE, _COUNT = 500.0, 5e-5

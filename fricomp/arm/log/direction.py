@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-__all__ = ["find_rests", "find_step"]
-
 _CHANCE = 4.0
 """Standard deviations by which the noise of a position moves it, at most."""
 
