@@ -202,9 +202,6 @@ def _draw_null(
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     torque = track.bridge(torque + track.unrest * drawn)
-    if track.missing.any():  # what a loop does from row to row is not known where there is no row
-        restless = float(np.std((track.torque - _smooth(track))[~track.missing]))
-        torque = torque + np.where(track.missing, restless * rng.standard_normal(track.size), 0.0)
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     position = track.bridge(position)
