@@ -268,12 +268,13 @@ def _leaves_less(moved: Verdict, before: Verdict) -> bool:
 def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
     """Whether the error falls clearly, and a late torque needs no names but those that were there without it and the
     form of the friction, which a lag in place of a delay bends; others may come where none is late, and the rows left
-    something unknown."""
+    something unknown, or where less is left than had passed for noise."""
     findings, before = answer
     names, known = ({effect.name for effect in one.effects} for one in (moved, before))
     names -= {name for name, effect in EFFECTS.items() if effect.form_of_friction}
     leaves = moved.word == "unknown_physics"
-    allowed = names <= known or (findings.unknown and not is_late and not leaves)
+    was_no_noise = moved.held.rmse_after < before.held.noise_floor  # by which the names before were weighed
+    allowed = names <= known or (not leaves and (was_no_noise or (findings.unknown and not is_late)))
     least = SETTINGS.late_explains if leaves else SETTINGS.late_fall
     return allowed and moved.held.rmse_after < (1.0 - least) * before.held.rmse_after
 
