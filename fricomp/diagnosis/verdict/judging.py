@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from ..evidence.findings import Findings
 from ..record.result import Change, HeldOut, Kind, Location, NamedEffect, Rival, VerdictName
 from ..samples.sample_finding import SampleFinding
+from ..search.settings import SEARCH
 from .naming import compare_spring, name_effects, name_sample
 from .rivals import list_rivals, list_sample_rivals
 from .settings import VERDICT
@@ -74,7 +75,7 @@ def judge_beside(findings: Findings, sample: SampleFinding, simulated: Simulatio
     left = 1.0 - sample.held.explained
     rows = name_effects(findings, 0.0 if findings.as_given else left * findings.held.explained)
     own = name_sample(sample)
-    effects = (own, *(one for one in rows if one.name != own.name))
+    effects = (own, *(one for one in rows if one.name != own.name and not _repeats(one, sample)))
     shared = share_effects(effects, simulated)
     first = Rival(effects=tuple(one.name for one in effects), gain=0.0)
     rivals = tuple(one for one in list_rivals(findings) if one.refused)
@@ -91,6 +92,12 @@ def judge_beside(findings: Findings, sample: SampleFinding, simulated: Simulatio
         shared=shared,
         sample=sample,
     )
+
+
+def _repeats(one: NamedEffect, sample: SampleFinding) -> bool:
+    """Whether an effect is a ripple of an order that the samples show: two ripples of one order have one cause."""
+    order, known = one.parameters.get("order"), [wave.order for waves in sample.waves for wave in waves]
+    return order is not None and any(abs(order.value - other) < SEARCH.same_order * other for other in known)
 
 
 def join_channels(verdict: Verdict, shown: Sequence[NamedEffect]) -> Verdict:

@@ -13,6 +13,7 @@ from fricomp.diagnosis.evidence.confirmation import Confirmation
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.findings import Findings
 from fricomp.diagnosis.record.result import Change, HeldOut, Quantity, Rival
+from fricomp.diagnosis.samples.fine_ripple import Harmonic
 from fricomp.diagnosis.samples.sample_finding import SampleFinding
 from fricomp.diagnosis.verdict.judging import Verdict, judge, judge_beside
 from fricomp.diagnosis.verdict.settings import VERDICT
@@ -116,3 +117,15 @@ def test_a_ripple_of_the_samples_stands_beside_what_the_rows_show_without_it() -
     assert shares["cogging"] == HELD.explained
     assert shares["load_coulomb"] == pytest.approx((1.0 - HELD.explained) * 0.7)
     assert names(judge_beside(rows(), found)) == ["cogging"], "one effect is named once"
+
+
+@pytest.mark.parametrize(("order", "named"), [(1.0, False), (1.02, False), (1.2, True)])
+def test_a_ripple_of_an_order_that_the_samples_show_is_named_once(order: float, named: bool) -> None:
+    waves = {"order": order * COARSE_ORDER, "sine": 0.2, "cosine": 0.5}
+    effect = EffectEvidence(EFFECTS["torque_ripple"], {n: exactly(v) for n, v in waves.items()}, 1.0, {}, ())
+    ripple = (
+        Harmonic(3.0 * COARSE_ORDER, False, 0.1, 0.0, 0.01, 0.01),
+        Harmonic(COARSE_ORDER, False, 0.1, 0.0, 0.01, 0.01),
+    )
+    found = sample("cogging", waves=(ripple,))
+    assert names(judge_beside(rows(effects=(effect,)), found)) == ["cogging", "torque_ripple"][: 1 + named]
