@@ -111,6 +111,7 @@ class Effect(ABC):
         imitates_others: Whether it can imitate effects of any form, so that what it adds completes no explanation.
         form_of_friction: Whether it is the form of the joint's own friction: beside another effect that covers the
             mismatch it is a remark, and no second effect.
+        follows_load: Whether it is friction that changes with the load, which another joint has otherwise.
         viscous_exponent: Parameter that is the exponent of a curve over speed, for an effect that may take the place
             of all viscous friction; empty for others.
     """
@@ -129,6 +130,7 @@ class Effect(ABC):
     gain_share: ClassVar[float] = 1.0
     imitates_others: ClassVar[bool] = False
     form_of_friction: ClassVar[bool] = False
+    follows_load: ClassVar[bool] = False
     viscous_exponent: ClassVar[str] = ""
 
     @abstractmethod

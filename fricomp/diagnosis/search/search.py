@@ -16,6 +16,7 @@ from ..joint.solver import Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
+from .loads import fit_loads
 from .overtones import fit_overtones
 from .preparation import Baseline
 from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
@@ -86,6 +87,8 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
             parted += wholes
             for whole in wholes:  # what is chosen then may be a part, with parts of its own
                 tried += _fit_parts(baseline, whole)
+        best = choose(baseline, tried, threshold)
+        tried += [] if best is None else fit_loads(baseline, best)
         best = choose(baseline, tried, threshold)
         if best is not None and _list_idle(baseline, best):
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))

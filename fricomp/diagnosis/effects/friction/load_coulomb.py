@@ -25,6 +25,7 @@ class LoadCoulomb(Effect):
     equation = "tau_f = c_l |tau_l| sgn(v)"
     citation = "bittencourt2010"
     says = "the friction level grows with the transmitted load"
+    follows_load = True
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # Twice the load is more friction than a self-locking gear has; a little below zero shows that there is none.

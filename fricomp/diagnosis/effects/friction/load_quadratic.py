@@ -25,6 +25,7 @@ class LoadQuadratic(Effect):
     equation = "tau_f = c_q tau_l^2 sgn(v), or c_d |tau_l| [tau_l v > 0] sgn(v)"
     citation = "duclusaud2025bam"
     says = "friction curves with the load, or differs between driving and braking"
+    follows_load = True
     gain_share = 0.998  # One of its two forms is nearly that of `load_coulomb`.
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

@@ -27,6 +27,7 @@ class LoadStribeck(Effect):
     shown_at_rest = True
     like_a_bristle = True
     says = "the extra friction of slow motion grows with the transmitted load"
+    follows_load = True
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # Twice the load is more friction than a self-locking gear has; a little below zero shows that there is none.
