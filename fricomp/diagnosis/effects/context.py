@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy.signal import savgol_filter
 
+from fricomp.root_mean_square import compute_rms
+
 from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Observation, Observer, Plant
 from ..joint.problem import Problem
@@ -139,7 +141,7 @@ def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping
         friction=seen.bristle + viscous,
         plant=plant,
         rotary=track.rotary,
-        scale=max(0.5 * (plant.forward[0] + plant.reverse[0]), EFFECT.still_scale * float(np.std(track.torque))),
+        scale=max(plant.level, compute_rms(seen.bristle + viscous), EFFECT.still_scale * float(np.std(track.torque))),
         usual_load=max(float(np.hypot(*plant.gravity)), plant.level),
         channels=track.channels,
         hints=hints,
