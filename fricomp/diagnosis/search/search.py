@@ -16,12 +16,12 @@ from ..joint.solver import Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
-from .loads import fit_loads
 from .overtones import fit_overtones
 from .preparation import Baseline
 from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
+from .siblings import fit_siblings
 from .simulated_body import hold, move_to
 
 
@@ -88,7 +88,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
             for whole in wholes:  # what is chosen then may be a part, with parts of its own
                 tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
-        tried += [] if best is None else fit_loads(baseline, best)
+        tried += [] if best is None else fit_siblings(baseline, best)
         best = choose(baseline, tried, threshold)
         if best is not None and _list_idle(baseline, best):
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))

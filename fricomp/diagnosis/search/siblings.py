@@ -1,0 +1,51 @@
+"""Effects of one kind in place of each other, from the joint that one of them has led to."""
+
+from __future__ import annotations
+
+from ..effects import EFFECTS, Context
+from ..effects.structure import N_BASE, Candidate, Structure
+from ..joint.solver import Race
+from .explanation import Explanation
+from .preparation import Baseline
+from .refit import fit_from, polish, rebuild_contexts
+from .settings import SEARCH
+
+
+def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
+    """Fit each other law of friction under load, and each other ripple at the order that was found, in place of that of
+    the best explanation, and such a law beside it; none where it has neither.
+
+    A base without such friction has another gravity, and with it another load, and one without a strong ripple is bent
+    far: from there one law may get no further than to another minimum, however well it would explain the joint that
+    another one has led to.
+    """
+    contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
+    wanted = _list_loads(best, contexts[0]) + _list_ripples(best, contexts[0])
+    race = Race(baseline.fit.cost, best.fit.cost)
+    fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, race=race)
+    return polish(baseline, fitted, iterations=SEARCH.last_steps, lead=best.fit.cost)
+
+
+def _list_loads(best: Explanation, context: Context) -> list[tuple[Candidate, ...]]:
+    """Other laws of friction under load, in place of the best one's and beside it."""
+    rest = tuple(one for one in best.settled if not one.effect.follows_load)
+    if len(rest) == len(best.settled):
+        return []
+    others = [name for name, effect in EFFECTS.items() if effect.follows_load and name not in best.names]
+    return [(*kept, _start(name, context)) for name in others for kept in (rest, best.settled)]
+
+
+def _list_ripples(best: Explanation, context: Context) -> list[tuple[Candidate, ...]]:
+    """Other ripples in place of each of the best one's, at its order."""
+    kind = {name for name, effect in EFFECTS.items() if effect.ripple and not effect.misreads_position}
+    others = [name for name in EFFECTS if name in kind and name not in best.names]
+    wanted = []
+    for own in (one for one in best.settled if one.name in kind):
+        rest, order = tuple(one for one in best.settled if one.name != own.name), dict(own.values)["order"]
+        wanted += [(*rest, _start(name, context).at_order(order)) for name in others]
+    return wanted
+
+
+def _start(name: str, context: Context) -> Candidate:
+    """An effect at the first of its usual starts, or where it has none, with its usual values."""
+    return Candidate(name, tuple(next(iter(EFFECTS[name].propose_starts([context])), {}).items()))
