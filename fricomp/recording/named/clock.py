@@ -110,6 +110,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         RecordingError: No column is, or it holds no times.
     """
     names = _prefer_even(columns, sorted(find_stamps(columns), key=lambda name: not _rises(columns[name])))
+    names = names or _find_epochs(columns)
     if not names:
         steps = next((name for name in columns if says_steps(name) and np.all(columns[name] >= 0.0)), "")
         if steps:
@@ -153,6 +154,21 @@ def _guess_unit(stamps: Samples) -> str:
         if least <= stamps[0] and stamps[-1] <= 4.0 * least and step * find_unit(one).factor <= TIME_UNITS[0][0]:
             return one
     return "d" if _are_days(stamps, step) else next(one for most, one in TIME_UNITS if step <= most)
+
+
+def _find_epochs(columns: Mapping[str, Samples]) -> list[str]:
+    """Names of columns of stamps since 1970, however they are called: nothing else goes on so evenly so far from zero.
+
+    The least even is the last.
+    """
+    found = []
+    for name, values in columns.items():
+        stamps = values[np.isfinite(values)]
+        if stamps.size > 1 and _rises(values) and np.all(np.diff(stamps) >= 0.0) and stamps[0] >= _EPOCHS[0][0]:
+            unit = _guess_unit(stamps)
+            least = next((least for least, one in _EPOCHS if one == unit), np.inf)
+            found += [name] if least <= stamps[0] and stamps[-1] <= 4.0 * least else []
+    return sorted(found, key=lambda name: _measure_unevenness(columns[name]))
 
 
 def _are_days(stamps: Samples, step: float) -> bool:

@@ -4,6 +4,7 @@ import math
 import struct
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -129,7 +130,7 @@ def read_json(path: Path, source: Source) -> Contents:
     """
     content: Any
     try:
-        content = _parse_lines(path) if path.suffix.lower() in (".jsonl", ".ndjson") else parse_json(path.read_bytes())
+        content = _parse(path)
         for key in source.records.split(".") if source.records else ():
             content = content[key]
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
@@ -144,6 +145,20 @@ def read_json(path: Path, source: Source) -> Contents:
     if table is None:
         raise RecordingError(f"{path} holds neither rows nor columns at {source.records or 'its top level'!r}")
     return table
+
+
+def _parse(path: Path) -> Any:
+    """The content of a file, or the rows of one that has an object a line, whatever its name ends in."""
+    if path.suffix.lower() in (".jsonl", ".ndjson"):
+        return _parse_lines(path)
+    try:
+        return parse_json(path.read_bytes())
+    except msgspec.DecodeError:
+        with suppress(msgspec.DecodeError):
+            rows = _parse_lines(path)
+            if len(rows) > 1 and all(isinstance(row, dict) for row in rows):
+                return rows
+        raise
 
 
 def _parse_lines(path: Path) -> list[Any]:

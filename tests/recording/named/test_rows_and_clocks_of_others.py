@@ -85,9 +85,29 @@ def write_late_rows(folder: Path) -> Path:
     return write(folder / "log.csv", "t,q,tau", *rows)
 
 
+def write_rows_as_json(folder: Path) -> Path:
+    return write(
+        folder / "log.json", *fill('{{"t": {t:.6f}, "actuators": {{"position": {q:.9f}, "torque": {u:.9f}}}}}')
+    )
+
+
+def write_stamps_by_any_name(folder: Path) -> Path:
+    """Of two clocks since 1970 the more even one is taken."""
+    seconds, late = 1.75e9 + TIME, 1.75e9 + np.round(TIME, 2) + 0.013
+    rows = [
+        ",".join((f"{a:.6f}", f"{b:.6f}", c)) for a, b, c in zip(late, seconds, rows_of(POSITION, TORQUE), strict=True)
+    ]
+    return write(folder / "log.csv", "seen_at,recorded_at,position,torque", *rows)
+
+
+def write_stamps_in_us(folder: Path) -> Path:
+    rows = [f"{round(1e6 * (1.75e9 + t))},{c}" for t, c in zip(TIME, rows_of(POSITION, TORQUE), strict=True)]
+    return write(folder / "log.csv", "pcRxTime,position,torque", *rows)
+
+
 FORMS: list[Write] = [
     *(write_line_protocol, write_logger, write_time_of_day, write_steps, write_ruled, write_structures, write_feather),
-    write_late_rows,
+    *(write_late_rows, write_rows_as_json, write_stamps_by_any_name, write_stamps_in_us),
 ]
 
 
@@ -121,6 +141,18 @@ def test_a_log_with_the_names_of_channels_may_lack_numbers(tmp_path: Path) -> No
     rows[44] = rows[44].rsplit(",", 1)[0] + ",n/a"
     recording = read_content(write(tmp_path / "log.csv", "time,position,torque", *rows)).recording
     assert recording.position == pytest.approx(np.delete(POSITION, 44))
+
+
+def test_what_begins_far_from_zero_and_falls_is_no_time(tmp_path: Path) -> None:
+    rows = rows_of(1.75e9 + 1e3 * POSITION, POSITION, TORQUE)
+    with pytest.raises(RecordingError, match="has no column of time"):
+        read_content(write(tmp_path / "log.csv", "counter,position,torque", *rows))
+
+
+def test_lines_of_which_one_is_no_json_are_none(tmp_path: Path) -> None:
+    lines = fill('{{"t": {t:.6f}, "position": {q:.9f}, "torque": {u:.9f}}}')
+    with pytest.raises(RecordingError, match=r"is no JSON: .*trailing characters"):
+        read_content(write(tmp_path / "log.json", *lines[:9], "{", *lines[9:]))
 
 
 def test_a_recording_of_the_project_may_not(tmp_path: Path) -> None:
