@@ -28,7 +28,7 @@ _DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
 _GAPPED = re.compile(r"[+-]?\d{1,3}(?:([ \u00a0\u2009\u202f'’])\d{3})(?:\1\d{3})*(?:[.,]\d*)?")
 """A number with spaces or apostrophes between thousands."""
 _FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)")
-_CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:](\d+))?")
+_CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:;](\d+))?")
 """A time of day, or a length of time in hours or in minutes."""
 _IEC = re.compile(r"L?T(?:IME)?#(?:[\d.]+(?:d|h|ms|us|ns|m|s)_?)+", re.IGNORECASE)
 _IEC_PART = re.compile(r"([\d.]+)(d|h|ms|us|ns|m|s)", re.IGNORECASE)

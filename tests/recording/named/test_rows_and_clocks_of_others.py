@@ -105,9 +105,16 @@ def write_stamps_in_us(folder: Path) -> Path:
     return write(folder / "log.csv", "pcRxTime,position,torque", *rows)
 
 
+def write_trend(folder: Path) -> Path:
+    """A controller's trend: a date beside the time of day, whose milliseconds stand behind a semicolon."""
+    stamps = [f"10:59:{int(t):02d};{round(1e6 * (t % 1.0)):06d}" for t in TIME]
+    rows = (f"Data:,11/28/2026,{stamp},{c}" for stamp, c in zip(stamps, rows_of(POSITION, TORQUE), strict=True))
+    return write(folder / "trend.csv", 'Trend Name:,"Axis_2"', "Header:,Date,Time,Axis.Position,Axis.Torque(Nm)", *rows)
+
+
 FORMS: list[Write] = [
     *(write_line_protocol, write_logger, write_time_of_day, write_steps, write_ruled, write_structures, write_feather),
-    *(write_late_rows, write_rows_as_json, write_stamps_by_any_name, write_stamps_in_us),
+    *(write_late_rows, write_rows_as_json, write_stamps_by_any_name, write_stamps_in_us, write_trend),
 ]
 
 
