@@ -12,7 +12,6 @@ from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.recording.parts.holds import thin_held_rows
 
-from .log.direction import find_rests
 from .log.instants import place_rows
 from .record import JointFrame
 
@@ -34,15 +33,12 @@ class ArmPart:
         time: [s]. Shape (n,).
         position: [rad] or [m]. Shape (n, n_joints).
         torque: [N·m] or [N]. Shape (n, n_joints).
-        rest: Direction of friction, -1 to 1, about where a joint stands still between two strokes; elsewhere it is no
-            number, and that of the velocity. Shape (n, n_joints).
         warmth: Temperature over that of the joint's start [K]; 0 where none was recorded. Shape (n, n_joints).
     """
 
     time: FloatArray
     position: FloatArray
     torque: FloatArray
-    rest: FloatArray
     warmth: FloatArray
 
     @property
@@ -177,9 +173,8 @@ def _sample(series: Sequence[Recording], first: float, last: float, period: floa
         name: np.stack([np.interp(grid, one.time, getattr(one, name)) for one in series], axis=1)
         for name in ("position", "torque")
     }
-    rest = np.stack([np.interp(grid, one.time, find_rests(np.asarray(one.position))) for one in series], axis=1)
     warmth = np.stack([_measure_warmth(one, grid) for one in series], axis=1)
-    return ArmPart(grid, columns["position"], columns["torque"], rest, warmth)
+    return ArmPart(grid, columns["position"], columns["torque"], warmth)
 
 
 def find_start_temperature(recording: Recording) -> float:

@@ -13,12 +13,11 @@
     e τ_l,  -T_d τ'                                  a torque in another unit than those beside it, or later
     -B M s"                                          a gap in the gear: the load lags the motor by s, B is one
 
-with s = sign v, which goes from one to the other while the joint stands still, and τ_l the torque that it transmits.
+with s = sign v, and τ_l the torque that the joint transmits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Literal
@@ -85,9 +84,6 @@ _LEAST_RATIO = 1e-9
 
 LOWEST_RIPPLE = 4.0
 """Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
-
-Build = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-"""Of the position, velocity and direction of one joint, shapes (n,): a column, or several. Shape (n, ...)."""
 
 Filled = Literal["motion", "stribeck", "delay", "ripple", "gap", "load"]
 """What the columns of a term are made of: the motion, a Stribeck velocity that is found, the torque's own rate, a wave
@@ -254,13 +250,11 @@ def _list_columns(filled: Filled) -> tuple[str, ...]:
 def plain_columns(rows: ArmRows, joint: int) -> FloatArray:
     """Columns of one joint that `PLAIN` lists. Shape (n, 4)."""
 
-    return _compare(rows, joint, lambda _, v, s: np.stack([s, np.ones_like(v), v, np.abs(v)], axis=1))
+    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
+        v = velocity[:, joint]
+        return np.stack([np.sign(v), np.ones_like(v), v, np.abs(v)], axis=1)
 
-
-def _compare(rows: ArmRows, joint: int, build: Build) -> FloatArray:
-    """A column of one joint's motion, through all filters that the torques pass."""
-    parts = zip(rows.motion, rows.directions, strict=True)
-    return rows.compare_samples([build(q[:, joint], v[:, joint], s[:, joint]) for (q, v, _), s in parts])
+    return rows.compare(build)
 
 
 def friction_columns(rows: ArmRows, joint: int, top_speed: float, *, rotary: bool = True) -> FloatArray:
@@ -278,7 +272,9 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float, *, rotary: boo
     middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in rows.motion])))
     distances = TERMS["presliding_hysteresis"].list_values(rotary=rotary)
 
-    def build(q: FloatArray, v: FloatArray, s: FloatArray) -> FloatArray:
+    def build(position: FloatArray, velocity: FloatArray, _: FloatArray) -> FloatArray:
+        q, v = position[:, joint], velocity[:, joint]
+        s = np.sign(v)
         columns = [turn_bristle(q, distance) - s for distance in distances]
         columns += [wave(n * q) * s for n in _ORDERS for wave in (np.cos, np.sin)]
         columns += [v * np.abs(v)]
@@ -288,10 +284,10 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float, *, rotary: boo
 
     warmth = [each[:, joint] for each in rows.warmth]
     warm = [
-        np.stack([s[:, joint] * w, v[:, joint] * w], axis=1)
-        for (_, v, _), s, w in zip(rows.motion, rows.directions, warmth, strict=True)
+        np.stack([np.sign(v[:, joint]) * w, v[:, joint] * w], axis=1)
+        for (_, v, _), w in zip(rows.motion, warmth, strict=True)
     ]
-    return np.column_stack([plain_columns(rows, joint), _compare(rows, joint, build), rows.compare_samples(warm)])
+    return np.column_stack([plain_columns(rows, joint), rows.compare(build), rows.compare_samples(warm)])
 
 
 def list_stribeck_starts() -> FloatArray:
@@ -302,14 +298,15 @@ def list_stribeck_starts() -> FloatArray:
 def stribeck_columns(rows: ArmRows, joint: int, speed: float, exponent: float) -> FloatArray:
     """The Stribeck curve of one joint at a Stribeck velocity [rad/s] or [m/s]. Shape (n, 4)."""
 
-    def build(_: FloatArray, v: FloatArray, s: FloatArray) -> FloatArray:
-        ratio = np.maximum(np.abs(v / speed), _LEAST_RATIO)
+    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
+        v = velocity[:, joint]
+        s, ratio = np.sign(v), np.maximum(np.abs(v / speed), _LEAST_RATIO)
         power = ratio**exponent
         fall = np.exp(-power)
         moved = s * exponent * power * fall
         return np.stack([s * fall, fall, moved, -np.log(ratio) * moved], axis=1)
 
-    return _compare(rows, joint, build)
+    return rows.compare(build)
 
 
 def load_columns(load: FloatArray, sign: FloatArray) -> FloatArray:

@@ -19,7 +19,6 @@ from scipy.signal import butter, sosfiltfilt
 from fricomp.laws import FloatArray
 
 from .arm_recording import ArmPart, ArmRecording
-from .log.direction import find_step
 from .rigid.inertia import N_INERTIA
 from .rigid.regressor import N_GRAVITY, compute_regressors
 from .rigid.simulated_arm import SimulatedArm
@@ -45,6 +44,10 @@ _SETTLING = 1.0
 _COUNTS = 4.0
 """Steps of an encoder that a joint must advance in a period of the smoothing's cutoff for its direction to be known."""
 
+_ROUNDING, _CHANCE = 1e-9, 5
+"""Part of the range below which a step is the arithmetic's, and how many smaller ones are no step of the encoder's."""
+
+
 _FEWEST = 4
 """Samples of a spline."""
 
@@ -61,7 +64,6 @@ class ArmRows:
         part: Number of the part that a row is of. Shape (n,).
         clocks: Times of the samples of each part, and their period [s].
         motion: Smoothed motion of each part, sample by sample.
-        directions: Of the friction of the joints, part by part, -1 to 1.
         warmth: Temperature of the joints over that of their start, part by part [K].
         torque: Of the rows [N·m] or [N]. Shape (n, n_joints).
         torque_rate: Its derivative [N·m/s] or [N/s]. Shape (n, n_joints).
@@ -76,7 +78,6 @@ class ArmRows:
     part: NDArray[np.intp]
     clocks: tuple[tuple[FloatArray, float], ...]
     motion: tuple[Motion, ...]
-    directions: tuple[FloatArray, ...]
     warmth: tuple[FloatArray, ...]
     torque: FloatArray
     torque_rate: FloatArray
@@ -177,19 +178,22 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
         part=np.concatenate([np.full(len(time), i) for i, time in enumerate(times)]),
         clocks=tuple((part.time, part.period) for part in recording.parts),
         motion=motions,
-        directions=tuple(
-            np.where(np.isnan(part.rest), np.sign(velocity), part.rest)
-            for part, (_, velocity, _) in zip(recording.parts, motions, strict=True)
-        ),
         warmth=tuple(part.warmth for part in recording.parts),
         torque=torque,
         torque_rate=rate,
         links=np.concatenate([links for links, _ in columns]),
         lean=np.concatenate([lean for _, lean in columns]),
         cutoff=cutoff,
-        least_speed=_COUNTS * ways[0].smoothing * np.array([find_step(one.position) for one in recording.recordings]),
+        least_speed=_COUNTS * ways[0].smoothing * np.array([_find_step(one.position) for one in recording.recordings]),
         _ways=ways,
     )
+
+
+def _find_step(position: FloatArray) -> float:
+    """Step of an encoder [rad] or [m]; next to none where positions were not rounded."""
+    steps = np.abs(np.diff(position))
+    steps = np.sort(steps[steps > _ROUNDING * max(float(np.ptp(position)), 1e-300)])
+    return float(steps[min(_CHANCE, steps.size - 1)]) if steps.size else 0.0
 
 
 def _compare_torques(ways: Sequence[_Way], recording: ArmRecording, delay: float) -> tuple[FloatArray, FloatArray]:
