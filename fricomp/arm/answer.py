@@ -177,10 +177,9 @@ def _drop_needless_bend(
         kept: Joints with forms of which that is known not to be so; those that are found are added.
     """
     for j, form in enumerate(fit.model.forms):
-        bends = [name for name in form.names if TERMS[name].family == "speed"]
         if (j, form) in kept:
             continue
-        for name in bends:
+        for name in (one for one in form.names if TERMS[one].family == "speed"):
             instead = suit_curve(rows, equations, fit, prior, without_term(fit.model, j, name), j)
             if instead is not None and instead[1] < EVIDENCE:
                 return instead[0]

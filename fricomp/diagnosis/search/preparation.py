@@ -148,11 +148,11 @@ def _fit_first(
     torques = max(float(np.std(one.torque)) for one in tracks), max(float(np.max(np.abs(one.torque))) for one in tracks)
     plants = estimate_plants(tracks, width=observer.width, known=rigid) if start is None else (start,)
     for plant in plants:
-        start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
+        first = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.build_around(
-            start, delays=delays, top_speed=top, torques=torques, rotary=tracks[0].rotary, known=rigid
+            first, delays=delays, top_speed=top, torques=torques, rotary=tracks[0].rotary, known=rigid
         )
-        problem = build_problem(tracks, start, observer)
+        problem = build_problem(tracks, first, observer)
         evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried

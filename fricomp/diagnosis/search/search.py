@@ -88,8 +88,9 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
             for whole in wholes:  # what is chosen then may be a part, with parts of its own
                 tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
-        tried += [] if best is None else fit_siblings(baseline, best)
-        best = choose(baseline, tried, threshold)
+        if best is not None:
+            tried += fit_siblings(baseline, best)
+            best = choose(baseline, tried, threshold)
         if best is not None and _list_idle(baseline, best):
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))
             best = choose(baseline, tried, threshold)

@@ -19,6 +19,8 @@ def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
     far: from there one law may get no further than to another minimum, however well it would explain the joint that
     another one has led to.
     """
+    if not any(one.effect.follows_load or one.effect.ripple for one in best.settled):
+        return []
     contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
     wanted = _list_loads(best, contexts[0]) + _list_ripples(best, contexts[0])
     race = Race(baseline.fit.cost, best.fit.cost)

@@ -147,13 +147,25 @@ def _require_times(path: Path, name: str, values: Samples) -> Samples:
 
 def _guess_unit(stamps: Samples) -> str:
     """The unit of stamps whose name states none: by the day that they are, or by their steps. Shape (n,)."""
+    step = _measure_step(stamps)
+    if unit := _find_epoch_unit(stamps, step):
+        return unit
+    return "d" if _are_days(stamps, step) else next(one for most, one in TIME_UNITS if step <= most)
+
+
+def _measure_step(stamps: Samples) -> float:
+    """Usual step of stamps that differ, or the mean of all where a coarse clock holds many."""
     steps = np.abs(np.diff(stamps))
     usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
-    step = float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
+    return float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
+
+
+def _find_epoch_unit(stamps: Samples, step: float) -> str:
+    """The unit in which stamps with this usual step count since 1970; empty where they do not."""
     for least, one in _EPOCHS:
         if least <= stamps[0] and stamps[-1] <= 4.0 * least and step * find_unit(one).factor <= TIME_UNITS[0][0]:
             return one
-    return "d" if _are_days(stamps, step) else next(one for most, one in TIME_UNITS if step <= most)
+    return ""
 
 
 def _find_epochs(columns: Mapping[str, Samples]) -> list[str]:
@@ -161,14 +173,13 @@ def _find_epochs(columns: Mapping[str, Samples]) -> list[str]:
 
     The least even is the last.
     """
-    found = []
-    for name, values in columns.items():
-        stamps = values[np.isfinite(values)]
-        if stamps.size > 1 and _rises(values) and np.all(np.diff(stamps) >= 0.0) and stamps[0] >= _EPOCHS[0][0]:
-            unit = _guess_unit(stamps)
-            least = next((least for least, one in _EPOCHS if one == unit), np.inf)
-            found += [name] if least <= stamps[0] and stamps[-1] <= 4.0 * least else []
-    return sorted(found, key=lambda name: _measure_unevenness(columns[name]))
+    finite = {name: values[np.isfinite(values)] for name, values in columns.items()}
+    found = [
+        name
+        for name, stamps in finite.items()
+        if _rises(stamps) and np.all(np.diff(stamps) >= 0.0) and _find_epoch_unit(stamps, _measure_step(stamps))
+    ]
+    return sorted(found, key=lambda name: _measure_unevenness(finite[name]))
 
 
 def _are_days(stamps: Samples, step: float) -> bool:
