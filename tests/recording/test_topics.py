@@ -140,24 +140,29 @@ def _write_topics_in_protobuf(path: Path, series: Series) -> Path:
     return _write_protobuf(path, rows)
 
 
-def _write_bag(path: Path, series: Series, storage: str) -> Path:
+def _write_bag(path: Path, series: Series, storage: str, current: str = "/drive") -> Path:
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 
     types = get_typestore(Stores.ROS2_HUMBLE)
     names = ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", "sensor_msgs/msg/JointState")
     time, header, state = (types.types[name] for name in names)
-    temperature, number = types.types["sensor_msgs/msg/Temperature"], types.types["std_msgs/msg/Float64"]
+    is_row = isinstance(series["/drive"][0][1]["current"], list)
+    temperature = types.types["sensor_msgs/msg/Temperature"]
+    number = types.types["std_msgs/msg/Float64MultiArray" if is_row else "std_msgs/msg/Float64"]
+    layout = types.types["std_msgs/msg/MultiArrayLayout"]([], 0)
     kinds = {"/state": state, "/drive": number, "/motor": temperature}
     with Writer(path, version=9, storage_plugin=StoragePlugin[storage]) as bag:
-        open_to = {topic: bag.add_connection(topic, kind.__msgtype__, typestore=types) for topic, kind in kinds.items()}
+        called = {topic: current if topic == "/drive" else topic for topic in kinds}
+        open_to = {t: bag.add_connection(called[t], kind.__msgtype__, typestore=types) for t, kind in kinds.items()}
         for at, topic, fields in _in_order(series):
             nanoseconds = round((_START + at) * 1e9)
             head = header(time(nanoseconds // 10**9, nanoseconds % 10**9), "")
             if topic == "/state":
                 message = state(head, ["elbow"], np.array([fields["position"]]), np.array([]), np.array([]))
-            elif topic == "/drive":
-                message = number(fields["current"])  # which has no stamp, so that the log counts
+            elif topic == "/drive":  # which has no stamp, so that the log counts
+                value = fields["current"]
+                message = number(layout, np.array(value)) if is_row else number(value)
             else:
                 message = temperature(head, fields["temperature"], 0.0)
             bag.write(open_to[topic], nanoseconds, types.serialize_cdr(message, kinds[topic].__msgtype__))
@@ -205,6 +210,21 @@ def test_three_topics_are_one_table(kind: str, tmp_path: Path) -> None:
         (_write_json if kind == "json" else _write_topics_in_protobuf)(path, series)
         names = {"position": "position", "current": "current"}
     _is_joined(_convert(path, _MAPPING.format(**names)))
+
+
+@pytest.mark.parametrize("many", [False, True])
+def test_a_current_in_a_topic_of_bare_numbers_is_that_of_the_joint_beside_it(many: bool, tmp_path: Path) -> None:
+    """Joint states without efforts, and a `Float64` or a row of one number that only its topic tells from others."""
+    series = _series()
+    series["/drive"] = [(at, {"current": [one["current"]] if many else one["current"]}) for at, one in series["/drive"]]
+    path = _write_bag(tmp_path / "bag", series, "SQLITE3", current="/elbow/motor_current")
+    log = read_named_log(path)
+    (found,) = log.recordings
+    assert found.metadata.torque_unit == "A"
+    assert found.metadata.joint == "elbow"
+    np.testing.assert_allclose(found.torque, 2.0 * (found.time - found.time[0] + 1.0), atol=1e-5)
+    again = _convert(path, render_mapping(path, log))
+    np.testing.assert_allclose(again.torque, found.torque, atol=1e-9)
 
 
 def test_without_stamps_and_on_request_the_log_joins_them(tmp_path: Path) -> None:

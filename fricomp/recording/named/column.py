@@ -35,8 +35,8 @@ _SENSOR = ("sensor", "load", "transducer", "loadcell")
 _OUTSIDE = ("ext", "external", "contact")
 """Words of a torque that an observer believes to come from outside; it is none of the joint's."""
 
-_NO_CHANNEL = ("err", "error", "errors", "constant", "limit", "limits", "dimensions", "inertia")
-"""Words of what is worked out from a channel, or bounds it."""
+_NO_CHANNEL = ("err", "error", "errors", "constant", "kt", "limit", "limits", "dimensions", "inertia")
+"""Words of what is worked out from a channel, bounds it, or makes another one of it."""
 _SWITCHES = ("enable", "enabled", "mode", "status", "flag", "fault", "id")
 """Words of what switches a channel or says how it is; in front of a point or a slash they say whose it is."""
 
@@ -72,6 +72,8 @@ _RAW: tuple[str, ...] = (
 _RAW += ("cnt", "cnts", "cts", "inc", "incs", "qc", "pulse", "digits")
 _RAW += ("percent", "pct", "pwm", "duty", "permille")
 """Words of columns in units of a device or in parts of a rating, which no name says the size of."""
+_SYMBOLS = {"position": "xyzs", "current": "i", "torque": "fmt", "velocity": "vw", "acceleration": "a"}
+"""Letters by which a quantity is written."""
 _ENCODER = ("encoder", "enc", "ticks", "counts")
 """Words of a position, where no other word is a quantity."""
 _CURRENTS = ("cur",)
@@ -134,20 +136,22 @@ def read_column_name(name: str) -> ColumnMeaning | None:
 def read_column_unit(name: str) -> ColumnMeaning | None:
     """Say what a column holds by the unit in its name, where no word of it is a quantity: `i_mA`, `elbow_Nm`.
 
-    A unit of one letter, or of a length, belongs to a name of one letter alone: `phase_A` is no current.
+    A unit of one letter, or of a length, belongs to a name of one letter alone: `phase_A` is no current. Behind a path
+    that letter is `i`, `x` or what else it is the symbol of.
     """
     said = find_unit_words(name, 0)
     kind = kind_of_unit(said[0].unit) if said else ""
     if kind in ("", "voltage", "temperature") or _find_quantity(name, split_words(name)) is not None:
         return None
     words = [one for one in split_words(name) if not (one[1][0] < said[0].span[1] and said[0].span[0] < one[1][1])]
-    is_letter = len(words) == 1 and len(words[0][0]) == 1
+    own = [one for one in words if not _stands_in_path(name, one[1])]
+    is_letter = len(own) == 1 and len(own[0][0]) == 1 and (len(words) == 1 or own[0][0] in _SYMBOLS.get(kind, ""))
     if UNITS[said[0].unit].si not in _ROTARY and not is_letter:
         return None
     roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, -1, kind, has_unit=True))}
     if "outside" in roles.values() or ("wanted" in roles.values() and kind not in _REFERENCES):
         return None
-    dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in words if is_letter)]
+    dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in own if is_letter)]
     channel = _find_channel(kind, set(roles.values()))
     return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), -1, unit_for(kind, said[0].unit))
 

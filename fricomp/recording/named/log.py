@@ -27,6 +27,7 @@ from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .missing import explain_missing
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
+from .torque_constant import say_torque_constant
 from .vendor import find_drive_of_turns
 
 _GEARED = 1.5
@@ -175,6 +176,9 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
     refuse_arm_in_degrees(path, recordings, sources)
     _ask_turns(path, columns, sources)
+    first = recordings[0].metadata
+    if first.torque_unit == "A":
+        notes += say_torque_constant(path, columns, sources[first.joint]["torque"][0])
     notes.append(_say_columns(path, recordings, sources))
     notes += _say_missing_unit(path, recordings[0], sources[recordings[0].metadata.joint])
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))

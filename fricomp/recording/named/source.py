@@ -7,7 +7,7 @@ import itertools
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,18 +18,21 @@ from fricomp.recording.sources import Contents, is_text, read_contents
 from fricomp.recording.sources.can_frames import refuse_bytes, refuse_frames
 from fricomp.recording.sources.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
-from fricomp.recording.sources.robot_log import read_topics, tabulate_topics
+from fricomp.recording.sources.robot_log import read_ros_topics, read_topics, tabulate_topics
 from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_nan, read_lines
 from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
-from fricomp.recording.sources.topic import Topic
+from fricomp.recording.sources.topic import Topic, is_bare
 from fricomp.recording.validity import Samples
 from fricomp.untrusted import require_filled
 
+from .choice import TORQUES
 from .clock import find_stamps
-from .column import read_column_name
+from .column import read_column_name, says_asked_for
 from .entries import drop_numbered_twins, fill_spans, name_listed, number_repeated
 from .long_rows import separate_long_rows
 
+_BAGS = (".db3", ".bag")
+"""Suffixes of the files of bags."""
 _UNITS = ("unit", "units")
 """Names under which a unit stands beside its numbers."""
 _LONGEST_LINE = 100_000
@@ -110,23 +113,31 @@ def choose_topics(path: Path) -> Source:
 
 
 def _read_topics(path: Path) -> dict[str, Topic]:
-    """Messages of an MCAP file that are not ROS's, by topic; empty for any other file."""
-    if not path.is_file() or path.suffix.lower() != ".mcap":
+    """Messages of an MCAP file or a bag by topic; empty for any other file, and where joint states say all."""
+    is_mcap = path.is_file() and path.suffix.lower() == ".mcap"
+    if not (is_mcap or is_bag_folder(path) or path.suffix.lower() in _BAGS):
         return {}
-    with refuse_damage(path, "mcap"):
-        return read_topics(path)
+    with refuse_damage(path, "mcap" if is_mcap else "rosbag2"):
+        return (read_topics(path) if is_mcap else {}) or read_ros_topics(path, _is_of_joint)
+
+
+def _is_of_joint(name: str, record: dict[str, Any]) -> bool:
+    """Whether a topic has a position or a torque, by its name and one message."""
+    return bool(_list_quantities(name, Topic([0.0], [record])) & {"position", "motor_position", *TORQUES})
 
 
 def _choose_topics(topics: Mapping[str, Topic]) -> Source:
-    said = {name: _list_quantities(topic) for name, topic in topics.items() if len(topic.records) > 1}
+    said = {name: _list_quantities(name, topic) for name, topic in topics.items() if len(topic.records) > 1}
     leads = [name for name, quantities in said.items() if "position" in quantities]
+    leads = [name for name in leads if not says_asked_for(name)] or leads
     others = tuple(sorted(name for name, quantities in said.items() if quantities and name not in leads))
     return Source(topic=leads[0], join=others) if len(leads) == 1 and others else Source()
 
 
-def _list_quantities(topic: Topic) -> set[str]:
-    """What the columns of a topic are, by their names; its time is none."""
-    meanings = [read_column_name(str(name)) for name in topic.to_columns() if name != "time"]
+def _list_quantities(name: str, topic: Topic) -> set[str]:
+    """What the columns of a topic are, by their names, or by its own where these say nothing; its time is none."""
+    columns = [f"{name}.{key}" if is_bare(key) else str(key) for key in topic.to_columns() if key != "time"]
+    meanings = [read_column_name(one) for one in columns]
     return {one.channel for one in meanings if one is not None} - {"time"}
 
 

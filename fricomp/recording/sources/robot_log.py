@@ -5,7 +5,9 @@ and for each joint `<joint>.position`, `<joint>.velocity`, `<joint>.effort`; of 
 from their stamp or from the log. A mapping joins topics by time; see `topic`.
 """
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,10 @@ from fricomp.untrusted import parse_json
 
 _LONGEST_REASON = 300
 """Characters of a foreign error that are told: some repeat the file."""
+_FIRST = 100
+"""Messages by which it is told what a topic holds."""
+_MOST_NUMBERS = 100
+"""Numbers of a message from which on it is a picture or a map."""
 _JOINT_STATE = ("sensor_msgs/msg/JointState", "sensor_msgs/JointState")
 
 
@@ -127,6 +133,47 @@ def read_rosbag(path: Path, source: Source) -> Columns:
         MissingExtraError: rosbags is not installed.
         RecordingError: The bag is damaged or has no such topic.
     """
+    with _open_bag(path) as reader:
+        states = {c.topic for c in reader.connections if c.msgtype in _JOINT_STATE}
+        topic = source.topic if source.join and source.topic else _choose_topic(states, source.topic, path)
+        topics = _read_messages(reader, (topic, *source.join))
+    return join_topics(topics, topic, source.join, clock=source.clock)
+
+
+def read_ros_topics(path: Path, is_wanted: Callable[[str, dict[str, Any]], bool]) -> dict[str, Topic]:
+    """The messages of a bag by topic, where no joint states say the effort: it is then in another topic, if anywhere.
+
+    Args:
+        path: Of the bag.
+        is_wanted: Whether a topic is read, by its name and its first message.
+
+    Returns:
+        Empty where joint states suffice, or no topic is wanted beside them.
+
+    Raises:
+        MissingExtraError: rosbags is not installed.
+        RecordingError: The bag is damaged.
+    """
+    with _open_bag(path) as reader:
+        states = {c.topic for c in reader.connections if c.msgtype in _JOINT_STATE}
+        first = {c.topic: _read_messages(reader, (c.topic,), _FIRST) for c in reader.connections}
+        if any(_says_effort(first[topic].get(topic, Topic())) for topic in states):
+            return {}
+        said = {name: own[name].records[0] for name, own in first.items() if name in own}
+        wanted = [name for name, record in said.items() if is_wanted(name, record)]
+        if not states and not wanted:  # whose columns are shown, so that one is named or looked at
+            wanted = [name for name, record in said.items() if 1 < len(columns_of_records([record])) < _MOST_NUMBERS]
+        return _read_messages(reader, wanted) if set(wanted) - states else {}
+
+
+@contextmanager
+def _open_bag(path: Path) -> Iterator[Any]:
+    """A bag that is safe to read.
+
+    Raises:
+        MissingExtraError: rosbags is not installed.
+        RecordingError: The bag is damaged, also where that shows while it is read.
+    """
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.rosbag1 import ReaderError as Reader1Error
@@ -141,16 +188,25 @@ def read_rosbag(path: Path, source: Source) -> Columns:
             with one:
                 require_small_arrays(path, (connection.msgdef.data for connection in one.connections))
         with bag as reader:
-            states = {c.topic for c in reader.connections if c.msgtype in _JOINT_STATE}
-            topic = source.topic if source.join and source.topic else _choose_topic(states, source.topic, path)
-            chosen = [c for c in reader.connections if c.topic in (topic, *source.join)]
-            topics: dict[str, Topic] = {}
-            for connection, at, raw in reader.messages(chosen):
-                message = reader.deserialize(raw, connection.msgtype)
-                topics.setdefault(connection.topic, Topic()).add(at * 1e-9, _read_ros(message, connection, at * 1e-9))
+            yield reader
     except (AnyReaderError, Reader1Error, Reader2Error) as error:
         raise RecordingError(f"{path} is no bag that can be read: {str(error)[:_LONGEST_REASON]}") from error
-    return join_topics(topics, topic, source.join, clock=source.clock)
+
+
+def _read_messages(reader: Any, names: Collection[str], most: int | None = None) -> dict[str, Topic]:
+    """The messages of these topics, or the first of them; a topic without any is left out."""
+    topics: dict[str, Topic] = {}
+    chosen = [c for c in reader.connections if c.topic in names]
+    for connection, at, raw in itertools.islice(reader.messages(chosen), most) if chosen else ():
+        message = reader.deserialize(raw, connection.msgtype)
+        topics.setdefault(connection.topic, Topic()).add(at * 1e-9, _read_ros(message, connection, at * 1e-9))
+    return topics
+
+
+def _says_effort(states: Topic) -> bool:
+    """Whether joint states say a torque: where a robot does not know it, it is left out, zero or no number."""
+    efforts = [value for one in states.records for name, value in one.items() if name.endswith(".effort")]
+    return any(np.isfinite(value) and value != 0.0 for value in efforts)
 
 
 def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 from fricomp.errors import RecordingError
 from fricomp.recording.sources.columns import Columns, columns_of_records
 
+_BARE = re.compile(r"data(\.\d+)?")
+"""Field of a message that is a number, or a row of them, and nothing else: what it is, its topic says."""
 _GAP = 5.0
 """Usual distances of two messages beyond which a topic says nothing of the time between them."""
 
@@ -78,7 +81,7 @@ def join_topics(topics: Mapping[str, Topic], lead: str, others: Sequence[str], *
     """One table of several topics; its rows are the messages of `lead` that all others have messages around.
 
     Between two messages of another topic its columns are straight lines. A column keeps its name where no other topic
-    has one of the same, and is called `<topic>.<column>` else.
+    has one of the same, and is called `<topic>.<column>` else; one that is called `data` has both names.
 
     Args:
         topics: All, by name.
@@ -106,13 +109,21 @@ def join_topics(topics: Mapping[str, Topic], lead: str, others: Sequence[str], *
     tables = {name: topics[name].to_columns(clock=clock) for name in (lead, *others)}
     names = [key for name in tables for key in tables[name]]
     joined: Columns = {key: values[covered] for key, values in tables[lead].items()}
+    joined |= {f"{lead}.{key}": values for key, values in joined.items() if is_bare(key)}
     for name in others:
         time = topics[name].find_time(axis)
         for key, values in tables[name].items():
-            if key != "time":
-                new = key if names.count(key) == 1 else f"{name}.{key}"
-                joined[new] = _interpolate(instants[covered], time, values)
+            if key == "time":
+                continue
+            at_instants = _interpolate(instants[covered], time, values)
+            joined |= {key: at_instants} if names.count(key) == 1 else {}
+            joined |= {f"{name}.{key}": at_instants} if names.count(key) > 1 or is_bare(key) else {}
     return joined
+
+
+def is_bare(column: str | int) -> bool:
+    """Whether a column is called `data`, or is an entry of such a row, so that its topic alone says what it is."""
+    return _BARE.fullmatch(str(column)) is not None
 
 
 def _find_covered(time: NDArray[np.float64], instants: NDArray[np.float64]) -> NDArray[np.bool_]:

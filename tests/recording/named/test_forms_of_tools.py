@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -233,6 +234,24 @@ def test_a_column_that_is_chosen_keeps_the_unit_in_its_name(tmp_path: Path) -> N
     with pytest.raises(RecordingError, match=r"--channel 'torque=XY\.Z \(Arms\)' where it is that one"):
         read_content(path)
     assert read_content(path, channels={"torque": "XY.Z (Arms)"}).recording.metadata.torque_unit == "A"
+
+
+@pytest.mark.parametrize("name", ["Kt", "log.Kt_NmA", "motor.torque_constant"])
+def test_a_current_beside_its_torque_constant_is_taken_and_what_makes_a_torque_of_it_is_told(
+    name: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "log.mat"
+    content: dict[str, Any] = {"log": {"t": TIME, "q": POSITION, "i_A": TORQUE}}
+    *above, last = name.split(".")
+    content.setdefault(above[0] if above else last, {} if above else 0.12)
+    if above:
+        content[above[0]][last] = 0.12
+    savemat(path, content)
+    found = read_content(path)
+    assert found.recording.metadata.torque_unit == "A"
+    (said,) = (one.message for one in found.findings if "torque constant" in one.message)
+    assert f"{name!r} = 0.12" in said
+    assert 'torque = { column = "log.i_A", scale = 0.12 } and torque_unit = "N·m"' in said
 
 
 @pytest.mark.parametrize(
