@@ -22,7 +22,7 @@ from .comparison import PLAIN, UNEXPLAINED, Comparison, Shift, Tolerances, compu
 from .confirmation import Confirmation, confirm
 from .effect_evidence import EffectEvidence, measure_effects
 from .gates import find_vibration, matters, measure_left, stands_out
-from .in_place import prefer_in_place
+from .in_place import BODY_SHIFTS, prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
 from .refitted import RefittedJoint
 from .repetition import refit_parts
@@ -125,7 +125,8 @@ def prefer_simulation(case: Case) -> Case:
     """The case with a best explanation that agrees with the simulation, where one fits as well."""
 
     def differs(one: Explanation, tolerances: Tolerances) -> bool:
-        return bool(compare_given(case, RefittedJoint.refit(case.baseline, one), tolerances).shifts)
+        shifts = compare_given(case, RefittedJoint.refit(case.baseline, one), tolerances).shifts
+        return any(shift.name in BODY_SHIFTS for shift in shifts)  # friction that is uneven is so with any of them
 
     found = prefer_agreeing(case.baseline, case.found, case.rigid, differs)
     return prefer_in_place(replace(case, found=found))

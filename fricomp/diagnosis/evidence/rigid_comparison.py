@@ -48,10 +48,15 @@ def compare_rigid(
         "payload_error": np.eye(3),
         "torque_gain_error": np.array([[1.0, *given.gravity]]).T,
     }
-    scores, fitted = weigh_hypotheses(shift, weight, hypotheses)
-    best = min(scores, key=lambda name: scores[name])
-    if not best or scores[""] - scores[best] < PARAMETERS.significant:
+    scores, _ = weigh_hypotheses(shift, weight, hypotheses)
+    if scores[""] - min(scores.values()) < PARAMETERS.significant:
         return Comparison()
+    # What moved strays by a part of its own size as well: that tells no hypothesis from another.
+    own = np.array([abs(shift[0]), *[float(np.hypot(*shift[1:]))] * 2])
+    floor += np.diag((PARAMETERS.form * own) ** 2)
+    weight = np.asarray(np.linalg.inv(covariance + floor), dtype=np.float64)
+    scores, fitted = weigh_hypotheses(shift, weight, hypotheses)
+    best = min(hypotheses, key=lambda name: scores[name])
     # Inertia and gravity that are off by the same factor are a gain as well as another mass. The gain is named where
     # the inertia is seen to follow gravity, one factor leaves nothing of the three shifts and torque signals are off by
     # as much: otherwise nothing speaks for it.

@@ -233,6 +233,8 @@ class ParameterSettings:
             apart, of which a fit is far too sure.
         strong: Residual of the base over its noise from which parameters stray beside a named effect as much as beside
             a strong one; below it they stray the less, the weaker the effect.
+        form: Part of what inertia and gravity moved by, as a standard deviation, within which hypotheses do not differ:
+            inertia strays from a common factor by as much where torque acts a part of a sample late.
         usual_gain: Largest gain error of a torque signal that is called one. A larger common factor of inertia and
             gravity is a load.
         follows: Chi squared of the inertia's own shift from which it is seen to follow gravity: its 95 % interval
@@ -251,6 +253,7 @@ class ParameterSettings:
     simpler: float = 4.0
     split: float = 0.22
     strong: float = 8.0
+    form: float = 0.03
     usual_gain: float = 0.25
     follows: float = 1.96**2
     gain_leaves: float = 5.0

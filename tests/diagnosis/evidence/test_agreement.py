@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import cast
+
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.evidence import agreement
+from fricomp.diagnosis.evidence import agreement, findings
 from fricomp.diagnosis.evidence.agreement import prefer_agreeing
 from fricomp.diagnosis.evidence.alias import list_aliases
-from fricomp.diagnosis.evidence.comparison import PLAIN, Tolerances
+from fricomp.diagnosis.evidence.case import Case
+from fricomp.diagnosis.evidence.comparison import PLAIN, Comparison, Shift, Tolerances
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.solver import Box
 from fricomp.diagnosis.search.explanation import Explanation
+from fricomp.diagnosis.search.preparation import Baseline
+from fricomp.diagnosis.search.search import SearchResult
 from fricomp.diagnosis.search.simulated_body import hold
 
 from ..known import known, known_baseline, known_search
@@ -91,3 +97,26 @@ def test_the_simulation_is_held_and_nothing_else() -> None:
     np.testing.assert_allclose(np.sqrt(np.diag(held.precision)[:3]), [500.0, 100.0, 100.0])
     np.testing.assert_array_equal(held.centre[3:], box.centre[3:])
     np.testing.assert_array_equal(held.precision[3:], box.precision[3:])
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What the choice asks of a case."""
+
+    found: SearchResult
+    baseline: Baseline = _BASE
+    rigid: RigidJoint | None = None
+
+
+def test_friction_that_is_uneven_does_not_count_as_moving_the_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A simulation has one friction loss for both directions: next to any joint differs from that."""
+
+    def compare(_: object, one: Explanation, __: Tolerances) -> Comparison:
+        moved = ["direction_asymmetry", *(["payload_error"] if one is _LOAD else [])]
+        return Comparison(tuple(Shift(name, {}, "") for name in moved))
+
+    monkeypatch.setattr(findings, "compare_given", compare)
+    monkeypatch.setattr(findings.RefittedJoint, "refit", lambda _, one: one)
+    monkeypatch.setattr(findings, "prefer_in_place", lambda case: case)
+    case = findings.prefer_simulation(cast(Case, _Case(known_search(_LOAD, _SPLIT))))
+    assert case.found.best is _SPLIT

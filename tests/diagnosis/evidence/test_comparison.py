@@ -50,6 +50,14 @@ def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
     assert msgspec.json.decode(msgspec.json.encode(effect))["name"] == "payload_error"
 
 
+@pytest.mark.parametrize(("inertia", "name"), [(1.197, "torque_gain_error"), (1.23, "payload_error")])
+def test_a_factor_is_common_as_far_as_what_moved_strays_by_a_part_of_its_size(inertia: float, name: str) -> None:
+    """A torque that acts part of a sample late moved the inertia of a joint by 0.6 % more than its gravity."""
+    given = RigidJoint(0.3 / inertia, (1.0 / 1.19, 6.0 / 1.19), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).shifts
+    assert effect.name == name
+
+
 def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_alias() -> None:
     given = RigidJoint(0.3 / 0.966, (1.0 / 0.966, 6.0 / 0.966 - 0.02), 0.0, 0.0, 0.0, True)
     (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED, _BRISK).shifts
