@@ -192,8 +192,11 @@ class JointSettings:
     """Part of the torque's noise below which the answer of a loop to the encoder's steps is not worth a simulation."""
     astray_steps: float = 10.0
     """Steps of the encoder that the joint may be off under its loop; a loop that leaves it further has not moved it."""
-    spring_left: float = 0.5
-    """Part of what the first estimate leaves that it may leave beside a spring, for a joint that has one."""
+    beside_left: float = 0.5
+    """Part of what the first estimate leaves that it may leave beside a spring, or beside friction that grows with the
+    load, for a joint that has one."""
+    load_rounds: int = 6
+    """Rounds in which the first estimate finds the load, and beside it the gravity that this hangs on."""
     usual_weight: float = 0.01
     """Weight of an offset, of the difference of both directions and of that from the simulation in the first estimate,
     in that of the torque they would make: next to nothing where the rows show them."""

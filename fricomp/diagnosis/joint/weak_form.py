@@ -34,19 +34,19 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = JOINT.row_width)
 
 class WeakRows(NamedTuple):
     """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint, with the offset;
-    `spring` of shape (n, 1), or (n, 0) where none is looked for."""
+    `beside` of shape (n, 1), or (n, 0), what is looked for beside the plant."""
 
     torque: FloatArray
     inertia: FloatArray
     gravity: FloatArray
-    spring: FloatArray
+    beside: FloatArray
     velocity: FloatArray
     direction: FloatArray
 
     @property
     def free(self) -> int:
-        """Number of the columns that may have either sign: of offset, gravity and spring."""
-        return int(self.gravity.shape[1] + self.spring.shape[1])
+        """Number of the columns that may have either sign: of offset, gravity and what is beside."""
+        return int(self.gravity.shape[1] + self.beside.shape[1])
 
 
 def estimate_plants(
@@ -79,14 +79,39 @@ def estimate_plants(
             "one that goes on for longer in one direction"
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
-    sprung = WeakRows(*(part[keep] for part in joined))
-    chosen = sprung._replace(spring=sprung.spring[:, :0])
-    falls, solution = _fit_falls(chosen, rest_speed, known)
-    if _compute_cost(falls, sprung, known) < JOINT.spring_left * _compute_cost(falls, chosen, known):
-        chosen = sprung
-        falls, solution = _fit_falls(sprung, rest_speed, known)
+    falls, solution, chosen = _choose_beside(WeakRows(*(part[keep] for part in joined)), rest_speed, known)
     usual, level = (_build_plant(falls, solution, chosen, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
+
+
+def _choose_beside(
+    sprung: WeakRows, rest_speed: float, known: RigidJoint | None
+) -> tuple[FloatArray, FloatArray, WeakRows]:
+    """Fit the rows alone, beside a spring, or beside friction that grows with the load, where one of these takes most.
+
+    Neither is a part of the plant: effects that the search may find, of which a strong one would pass for an inertia.
+
+    Args:
+        sprung: Rows with the column of a spring.
+        rest_speed: Slower samples take no part [rad/s].
+        known: Inertia and gravity of a simulation.
+
+    Returns:
+        Logarithms of both Stribeck velocities, shape (2,), what is linear beside them, shape (p,), and the rows.
+    """
+    alone = sprung._replace(beside=sprung.beside[:, :0])
+    falls, solution = _fit_falls(alone, rest_speed, known)
+    most = JOINT.beside_left * _compute_cost(falls, alone, known)
+    if _compute_cost(falls, sprung, known) < most:
+        return *_fit_falls(sprung, rest_speed, known), sprung
+    if alone.gravity.shape[1] == 1:
+        return falls, solution, alone
+    loaded, gravity = alone, solution[2:4]
+    for _ in range(JOINT.load_rounds):  # the load is that of a gravity which is found beside it
+        loaded = alone._replace(beside=(np.abs(alone.gravity[:, 1:] @ gravity) * alone.direction)[:, None])
+        found = _fit_falls(loaded, rest_speed, known)
+        gravity = 0.5 * (gravity + found[1][2:4])
+    return (*found, loaded) if _compute_cost(found[0], loaded, known) < most else (falls, solution, alone)
 
 
 def _fit_falls(rows: WeakRows, rest_speed: float, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
@@ -142,14 +167,14 @@ def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
         torque=average(track.torque, phi),
         inertia=average(q - q.mean(), curvature),
         gravity=np.stack([average(g, phi) for g in gravity], axis=1),
-        spring=average(q - q.mean(), phi)[:, None],
+        beside=average(q - q.mean(), phi)[:, None],
         velocity=average(track.velocity, phi),
         direction=np.sign(track.velocity[centres]),
     )
 
 
 def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
-    columns = [rows.inertia, *rows.gravity.T, *rows.spring.T]
+    columns = [rows.inertia, *rows.gravity.T, *rows.beside.T]
     for speed, sign in zip(np.exp(log_speeds), (1.0, -1.0), strict=True):
         on = rows.direction == sign
         fall = np.exp(-((rows.velocity / speed) ** 2))
@@ -158,12 +183,11 @@ def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
 
 
 def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> tuple[FloatArray, float]:
-    """Least squares with inertia and friction not negative, gravity, spring and offset free, and a touch of ridge.
+    """Least squares with inertia and friction not negative, gravity, offset and what is beside free, a touch of ridge.
 
     Of solutions that fit alike it takes the one near the simulation, with hardly any offset, even directions and
     friction that hardly falls with speed: sliding shows an offset and the difference of the directions as one sum,
-    and one speed shows Coulomb, static and viscous torque as one. A spring is no part of the plant: an effect that
-    the search may find, which a strong one would let pass for an inertia here.
+    and one speed shows Coulomb, static and viscous torque as one.
     """
     A = _build_columns(log_speeds, rows)
     free = rows.free
@@ -185,19 +209,19 @@ def _solve(log_speeds: FloatArray, rows: WeakRows, known: RigidJoint | None) -> 
 
 
 def _build_usual(size: FloatArray, rows: WeakRows, known: RigidJoint | None) -> tuple[FloatArray, FloatArray]:
-    """Rows and right sides of what is usual: no offset, no spring, no fall of friction with speed, directions that are
-    alike, and inertia and gravity of the simulation.
+    """Rows and right sides of what is usual: no offset, nothing beside, no fall of friction with speed, directions that
+    are alike, and inertia and gravity of the simulation.
 
     Shapes (k, p), (k,).
     """
-    free, springs = rows.free, 1 + rows.gravity.shape[1]  # where those begin
+    free, beside = rows.free, 1 + rows.gravity.shape[1]  # where what is beside begins
     opposite, forward = 6 + free, 1 + free  # where gravity stands once more, turned round; where friction begins
-    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, *range(springs, 1 + free))]
+    usual = [{one: 1.0, opposite + one: -1.0} for one in (1, *range(beside, 1 + free))]
     usual += [{forward + 1: 1.0}, {forward + 4: 1.0}]
     usual += [{one: 1.0, one + 3: -1.0} for one in range(forward, forward + 3)]
     wanted = [0.0] * len(usual)
     if known is not None:
-        columns = (0, *range(2, springs))
+        columns = (0, *range(2, beside))
         usual += [{0: 1.0}, *({column: 1.0, opposite + column: -1.0} for column in columns[1:])]
         body = known.inertia, *known.gravity
         wanted += [value * size[column] for value, column in zip(body, columns, strict=False)]

@@ -88,6 +88,17 @@ def test_a_spring_is_no_inertia_to_the_weak_form(stiffness: float) -> None:
     assert found.forward[3] == pytest.approx(joint.forward[3], rel=0.05)
 
 
+@pytest.mark.parametrize("coefficient", [0.15, 0.4, 1.0])
+def test_friction_under_load_bends_no_inertia_in_the_weak_form(coefficient: float) -> None:
+    joint = ToyJoint()
+    track = track_of(joint, "rich", 60.0)
+    load = np.abs(joint.gravity * np.sin(track.position + joint.phase)) * np.sign(track.velocity)
+    found, *_ = estimate_plants([replace(track, torque=track.torque + coefficient * load)])
+    assert found.inertia == pytest.approx(joint.inertia, rel=0.15)
+    assert np.hypot(*found.gravity) == pytest.approx(joint.gravity, rel=0.05)
+    assert found.forward[0] == pytest.approx(joint.forward[0], rel=0.15)
+
+
 def _move_one_way_at_one_speed(noise: float = 0.02) -> Track:
     """Forward at many speeds and back at one: the way back shows one number of its friction, and no offset."""
     dt, rng = 1e-3, np.random.default_rng(5)
