@@ -68,6 +68,8 @@ def test_an_exponent_near_that_of_the_base_is_no_name() -> None:
 def test_a_number_at_the_end_of_the_search_is_no_name() -> None:
     at_end = list_objections(_refitted("stribeck_shape", 0.01, stribeck_exponent=0.4))
     assert "end of what is looked for" in at_end["stribeck_shape"]
+    curve = [_refitted("power_law_viscous", 0.01, coefficient=1.0, exponent=exponent) for exponent in (0.35, 0.6)]
+    assert ["power_law_viscous" in list_objections(one) for one in curve] == [True, False]
     softest = list_objections(_refitted("presliding_hysteresis", 0.01, breakaway_distance=np.log(5e-2)))
     assert "breakaway distance" in softest["presliding_hysteresis"]
 

@@ -31,7 +31,7 @@ class PowerLawViscous(Effect):
         # scale is that of a tenth of the dry level at top speed, for an exponent in the middle.
         return (
             EffectParameter("coefficient", "{torque}·(s/{position})^n", 0.1 * scale / top**0.7, form=0.15),
-            EffectParameter("exponent", "1", 0.1, 0.35, 0.92, linear=False, prior=0.15, form=0.2),
+            EffectParameter("exponent", "1", 0.1, 0.35, 0.92, linear=False, prior=0.15, form=0.2, searched=True),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
