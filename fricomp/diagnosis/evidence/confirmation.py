@@ -193,9 +193,7 @@ def compute_covariance(fit: Fit, box: Box) -> FloatArray:
     What a structure does not quite explain counts as noise; where it leans the same way for a second and more, the
     sums over blocks of rows show by how much parameters follow it [white1980].
     """
-    A = fit.jacobian * box.scale
-    H = A.T @ A + raise_diagonal(box.scaled_precision, 1e-9)
-    inverse = np.asarray(np.linalg.pinv(H, hermitian=True), dtype=np.float64)
+    A, inverse = invert_curvature(fit, box)
     loud = max(1.0, float(fit.residual @ fit.residual) / fit.residual.size)
     leaning = np.array(
         [_sum_leaning(A[rows], inverse, fit.residual[rows]) for rows in _split_blocks(fit.residual.size)]
@@ -205,6 +203,13 @@ def compute_covariance(fit: Fit, box: Box) -> FloatArray:
     wider = np.sqrt(np.maximum(np.diag(spread) / np.maximum(np.diag(plain), 1e-300), 1.0))
     result: FloatArray = plain * np.outer(wider * box.scale, wider * box.scale)
     return result
+
+
+def invert_curvature(fit: Fit, box: Box) -> tuple[FloatArray, FloatArray]:
+    """Jacobian in units of the box, shape (m, p), and the inverse of the curvature with the priors, shape (p, p)."""
+    A = fit.jacobian * box.scale
+    H = A.T @ A + raise_diagonal(box.scaled_precision, 1e-9)
+    return A, np.asarray(np.linalg.pinv(H, hermitian=True), dtype=np.float64)
 
 
 def _sum_leaning(A: FloatArray, inverse: FloatArray, residual: FloatArray) -> FloatArray:

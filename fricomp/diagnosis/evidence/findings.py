@@ -21,6 +21,7 @@ from .case import Case, compare_given, fit_given, share_between
 from .comparison import PLAIN, UNEXPLAINED, Comparison, Shift, Tolerances, compute_tolerances
 from .confirmation import Confirmation, confirm
 from .effect_evidence import EffectEvidence, measure_effects
+from .form_strays import compute_form_strays
 from .gates import find_vibration, matters, measure_left, stands_out
 from .in_place import BODY_SHIFTS, prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
@@ -141,7 +142,9 @@ def collect_findings(case: Case) -> Findings:
     covered = trial.failed is not None
     unknown = chosen is None and (tone is not None or stands_out(found, baseline, covered=covered))
     refitted = RefittedJoint.refit(baseline, chosen)
-    comparison = compare_given(case, refitted, _choose_tolerances(baseline, trial, unknown))
+    tolerances = _choose_tolerances(baseline, trial, unknown)
+    comparison = compare_given(case, refitted, tolerances)
+    strays = compute_form_strays(baseline, chosen, refitted)
     names = [shift.name for shift in comparison.shifts]
     given = None if unknown or chosen is not None else fit_given(case, names)
     before = given or baseline.fit if chosen is None or chosen.before is None else chosen.before
@@ -158,11 +161,11 @@ def collect_findings(case: Case) -> Findings:
         trial=trial,
         unknown=unknown,
         refitted=refitted,
-        base=refitted.list_base(case.unit, case.position_unit),
+        base=refitted.list_base(case.unit, case.position_unit, tolerances.known, strays),
         held=held,
         noise_ratio=_compute_noise_ratio(baseline, trial, held),
         comparison=comparison,
-        shift_shares=_repeat_comparison(case, chosen, _choose_tolerances(baseline, trial, unknown)),
+        shift_shares=_repeat_comparison(case, chosen, tolerances),
         parts=() if given is None else share_between(case, names),
         effects=effects,
         lag=find_velocity_lag(case.recordings),

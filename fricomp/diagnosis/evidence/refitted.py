@@ -124,8 +124,15 @@ class RefittedJoint:
         disc = next((one for name, one in values.items() if EFFECTS[name].misreads_position), None)
         return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
-    def list_base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
-        """Parameters of the base, with their intervals."""
+    def list_base(self, torque_unit: str, position_unit: str, known: float, strays: FloatArray) -> dict[str, Quantity]:
+        """Parameters of the base, with their intervals.
+
+        Args:
+            torque_unit: Of the recording.
+            position_unit: Of the recording.
+            known: Factor on the deviations that the fit knows of.
+            strays: Further deviations, which it does not know of. Shape (N_BASE,).
+        """
         units = {
             "inertia": _shorten_unit(f"{torque_unit}·s²/{position_unit}"),
             "delay": "s",
@@ -138,7 +145,7 @@ class RefittedJoint:
             "creep_velocity": f"{position_unit}/s",
             "stribeck_velocity": f"{position_unit}/s",
         }
-        deviation = self.deviations[:N_BASE].copy()
+        deviation = np.hypot(known * self.deviations[:N_BASE], strays)
         split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
         deviation[split] = np.hypot(deviation[split], PARAMETERS.split * self.plant.level)
         theta, result = self.fit.theta[:N_BASE].copy(), {}

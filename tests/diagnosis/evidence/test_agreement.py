@@ -13,6 +13,7 @@ from fricomp.diagnosis.evidence.agreement import prefer_agreeing
 from fricomp.diagnosis.evidence.alias import list_aliases
 from fricomp.diagnosis.evidence.case import Case
 from fricomp.diagnosis.evidence.comparison import PLAIN, Comparison, Shift, Tolerances
+from fricomp.diagnosis.evidence.refitted import RefittedJoint
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.solver import Box
 from fricomp.diagnosis.search.explanation import Explanation
@@ -116,7 +117,7 @@ def test_friction_that_is_uneven_does_not_count_as_moving_the_simulation(monkeyp
         return Comparison(tuple(Shift(name, {}, "") for name in moved))
 
     monkeypatch.setattr(findings, "compare_given", compare)
-    monkeypatch.setattr(findings.RefittedJoint, "refit", lambda _, one: one)
+    monkeypatch.setattr(RefittedJoint, "refit", lambda _, one: one)
     monkeypatch.setattr(findings, "prefer_in_place", lambda case: case)
     case = findings.prefer_simulation(cast(Case, _Case(known_search(_LOAD, _SPLIT))))
     assert case.found.best is _SPLIT
