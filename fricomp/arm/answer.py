@@ -234,6 +234,21 @@ def _drop_reversed_term(fit: ArmFit) -> ArmModel | None:
     return None if turned is None else without_term(fit.model, *turned)
 
 
+def _drop_turned_delay(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
+    """The model without a delay of one joint that came out early and is not shown to be; None for no such.
+
+    Late when it was taken in, it stands in for friction that turns before its joint does once rows near reversals count
+    for less.
+    """
+    (name,) = TERMS["torque_delay"].names(0)
+    early = [j for j in range(len(fit.arm.joints)) if fit.friction(j).get(name, 0.0) < 0.0]
+    if not early:
+        return None
+    glance, torques = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
+    unshown = next((j for j in early if not torques.shows(j, glance)), None)
+    return None if unshown is None else without_term(fit.model, unshown, "torque_delay")
+
+
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """Keep the terms that come again in halves of the recording, and measure what they matter on held-out data.
 
@@ -252,6 +267,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             or _drop_empty_lean(widened)
             or _drop_far_gain(fit, prior)
             or _drop_reversed_term(fit)
+            or _drop_turned_delay(rows, equations, fit, prior)
             or _drop_needless_bend(rows, equations, fit, prior, bent)
             or _free_viscous(rows, equations, fit, prior, freed)
         )

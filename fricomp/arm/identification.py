@@ -162,21 +162,22 @@ def _take_off_delay(
 ) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
     """Rows in which the torques are as early as the positions, and the delay that was taken off.
 
-    Torques are not taken to be further ahead of the positions than a held command is where a gear gives way, or joints
-    stick, which looks like it.
+    Torques are not taken to be further ahead of the positions than a held command is where friction turns before its
+    joints do, which looks like it; nor ahead at all where a gear gives way, which does so too.
     Whether a delay is sure is seen where it stands still: on the way there, each joint shows another part of its own.
 
     Returns:
         The last tells whether they look so, and are taken to be prompt.
     """
-    total, found, moved, before = start, SharedDelay(start, 0.0, {}), 0.0, 0.0
+    total, found, moved, before, held = start, SharedDelay(start, 0.0, {}), 0.0, 0.0, -_HOLD * recording.period
     for _ in range(_DELAY_ROUNDS):  # settled: a joint that sticks turns later than it would
         fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
         more = measure_delay(equations, fit, prior)
         ahead = total + more.value < 0.0
-        beyond = total + more.value + _SURELY * more.deviation < -_HOLD * recording.period
-        if beyond and not EarlyTorques(rows, equations, fit).are_all(total + fit.delay[0]):
-            return *_move_torques(recording, rows, equations, 0.0), more.move(total, -total), True
+        beyond, early = total + more.value + _SURELY * more.deviation < held, EarlyTorques(rows, equations, fit)
+        if beyond and not early.are_all(total + fit.delay[0]):
+            at = held if early.are_held(total + fit.delay[0]) else 0.0
+            return *_move_torques(recording, rows, equations, at), more.move(total, at - total), True
         still = abs(more.value) < 0.5 * more.deviation
         moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
         before = more.value
@@ -244,7 +245,11 @@ def _try_out(
             (name, fit_arm(fit.arm, equations, other, prior, fit, steps=_count_steps(fit, other)))
             for name, other, _ in now
         ]
-        tried = [(name, one) for name, one in tried if is_physical(one, fit, is_early) and _is_possible(one, fit)]
+        tried = [
+            (name, one)
+            for name, one in tried
+            if is_physical(one, fit, is_early) and _is_possible(one, fit) and not _is_torn(one, fit, early)
+        ]
         if tried:
             return tried
         open_ones = [each for each in open_ones if each not in now]
@@ -255,6 +260,12 @@ def _is_possible(one: ArmFit, before: ArmFit) -> bool:
     """Whether a Stribeck curve that was added is one."""
     pairs = enumerate(zip(one.model.forms, before.model.forms, strict=True))
     return all(is_curve(one, j) for j, (form, old) in pairs if form != old and form.names[-1] == "stribeck")
+
+
+def _is_torn(one: ArmFit, before: ArmFit, early: EarlyTorques) -> bool:
+    """Whether a delay that was added to a joint is one that its links and its friction contradict each other about."""
+    pairs = enumerate(zip(one.model.forms, before.model.forms, strict=True))
+    return any(early.is_torn(j) for j, (form, old) in pairs if form != old and form.names[-1] == "torque_delay")
 
 
 def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:

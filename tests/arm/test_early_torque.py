@@ -86,15 +86,37 @@ def test_torques_ahead_by_less_than_a_held_command_are_moved_though_friction_tur
     assert found.fit.friction(0)["viscous"] == pytest.approx(0.6, rel=0.05)
 
 
+def _measure(links: float, friction: float, deviation: float = 0.5) -> EarlyTorques:
+    """Two joints whose links and friction ask for these times beside that of all, and how well that of links is known
+    [ms]."""
+    torques = EarlyTorques.__new__(EarlyTorques)
+    torques._fit = SimpleNamespace(arm=SimpleNamespace(joints=("a", "b")))  # type: ignore[assignment]
+    measured = Estimate(1e-3 * np.array([links, friction]), np.diag((1e-3 * np.array([deviation, 0.8])) ** 2))
+    torques.measure = lambda _: measured  # type: ignore[assignment]
+    return torques
+
+
 @pytest.mark.parametrize(("links", "deviation", "early"), [(-6.0, 0.5, True), (-4.0, 4.0, False), (0.0, 0.5, False)])
 def test_friction_that_turns_before_a_joint_moves_makes_no_torque_early(
     links: float, deviation: float, early: bool
 ) -> None:
     """Joints that stick turn their friction while they rest; only links that ask early as well make a torque early."""
-    torques = EarlyTorques.__new__(EarlyTorques)
-    torques._fit = SimpleNamespace(arm=SimpleNamespace(joints=("a", "b")))  # type: ignore[assignment]
-    spread = 1e-3 * np.array([deviation, 0.8])
-    measured = Estimate(1e-3 * np.array([links, -0.5]) + 5e-3, np.diag(spread**2))
-    torques.measure = lambda _: measured  # type: ignore[assignment]
+    torques = _measure(links + 5.0, 4.5, deviation)
     torques._is_one = lambda _: True  # type: ignore[method-assign, assignment]
     assert torques.are_all(-5e-3) == early
+
+
+@pytest.mark.parametrize(("links", "friction", "torn"), [(6.5, -3.7, True), (6.5, -1.0, False), (5.0, 6.0, False)])
+def test_a_joint_whose_links_look_late_and_whose_friction_turns_early_has_no_delay(
+    links: float, friction: float, torn: bool
+) -> None:
+    """Three of seven joints of an arm whose friction is MuJoCo's were told late, and all torques none for it."""
+    assert _measure(links, friction).is_torn(0) == torn
+
+
+@pytest.mark.parametrize(
+    ("links", "friction", "held"), [(1.0, -6.0, True), (3.0, -6.0, False), (-1.0, 1.0, False), (-1.0, -3.0, True)]
+)
+def test_torques_are_held_where_links_ask_early_and_friction_earlier(links: float, friction: float, held: bool) -> None:
+    """Beside 2.7 ms ahead; where links ask before friction turns, a gear gives way."""
+    assert _measure(links, friction).are_held(-2.7e-3) == held

@@ -225,9 +225,7 @@ def read_arm(
     moved = _find_moved(model, [*ids, *(every.index(one.name) for one in followers)])
     carried = {body: [each for each in range(model.nbody) if _link_of(model, each, moved) == body] for body in moved}
     moving = {*matched.values(), *(one.name for one in followers)}
-    pose = np.array(model.qpos0)
-    for name, place in (still or {}).items():
-        pose[model.joint(name).qposadr[0]] = place
+    pose = _place_still(model, ids, {every.index(name): place for name, place in (still or {}).items()})
     return SimulatedArm(
         joints=tuple(matched[name] for name in joints),
         links=tuple(model.body(body).name or f"body {body}" for body in moved),
@@ -268,6 +266,17 @@ def _find_followers(model: Any, joints: Sequence[int]) -> tuple[Follower, ...]:
         for one in list_mimics(model)
         if one.leader in joints and one.follower not in joints
     )
+
+
+def _place_still(model: Any, recorded: Sequence[int], still: Mapping[int, float]) -> FloatArray:
+    """The pose in which joints are held: where they stood still, and what follows one of those where it takes it."""
+    pose, places = np.array(model.qpos0), dict(still)
+    for one in list_mimics(model):
+        if one.leader in still and one.follower not in (*recorded, *still):
+            places[one.follower] = float(one.path(still[one.leader]))
+    for joint, place in places.items():
+        pose[model.jnt_qposadr[joint]] = place
+    return pose
 
 
 def _find_moved(model: Any, joints: Sequence[int]) -> list[int]:

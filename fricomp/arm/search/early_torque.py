@@ -65,6 +65,16 @@ class EarlyTorques:
         found = self.measure(joint)
         return bool(found.values[0] > _LATE * found.deviations[0])
 
+    def is_torn(self, joint: int) -> bool:
+        """Whether links and friction of this joint surely ask for times on either side of that of all.
+
+        A torque that is late, or early, is so in both. Friction that turns before its joint does, as where a joint
+        sticks or a simulated friction acts against what would move it, makes the links look late.
+        """
+        found = self.measure(joint)
+        sure = found.values / found.deviations
+        return bool(np.min(sure) < -_LATE and np.max(sure) > _LATE)
+
     def are_all(self, delay: float) -> bool:
         """Whether all torques were recorded early, in what links ask for as well.
 
@@ -74,10 +84,28 @@ class EarlyTorques:
         Args:
             delay: By how much later than the positions the fit takes them to be [s].
         """
-        found = [self.measure(joint) for joint in range(len(self._fit.arm.joints))]
+        return all(map(self._is_one, self._measure_all())) and self._are_links_early(delay)
+
+    def are_held(self, delay: float) -> bool:
+        """Whether all torques were recorded early, and friction turns earlier still.
+
+        Gears that give way make it the other way round: there, links ask for their torque before friction turns.
+
+        Args:
+            delay: By how much later than the positions the fit takes them to be [s].
+        """
+        ahead = [float(links - friction) for links, friction in (one.values for one in self._measure_all())]
+        return float(np.median(ahead)) > 0.0 and self._are_links_early(delay)
+
+    def _measure_all(self) -> list[Estimate]:
+        return [self.measure(joint) for joint in range(len(self._fit.arm.joints))]
+
+    def _are_links_early(self, delay: float) -> bool:
+        """Whether what links ask for was surely recorded before the positions, in the mean of all joints."""
+        found = self._measure_all()
         weights = np.array([one.deviations[0] ** -2.0 for one in found])
         links = delay + float(weights @ [one.values[0] for one in found]) / float(np.sum(weights))
-        return all(map(self._is_one, found)) and links < -_SURE / float(np.sqrt(np.sum(weights)))
+        return links < -_SURE / float(np.sqrt(np.sum(weights)))
 
     @staticmethod
     def _is_one(found: Estimate) -> bool:

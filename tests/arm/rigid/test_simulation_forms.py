@@ -73,6 +73,15 @@ def test_a_joint_that_mimics_a_recorded_one_moves_with_it(tmp_path: Path) -> Non
     assert torques == pytest.approx(compute_by_virtual_work(arm, q, v, a), abs=1e-9)
 
 
+def test_a_finger_that_mimics_one_that_stood_still_is_held_where_it_takes_it(tmp_path: Path) -> None:
+    """It was held at its own zero: the link that carries the hand had its mass elsewhere than in the simulation."""
+    path, joints = write_urdf(tmp_path / "r.urdf"), ("arm_joint_1", "arm_joint_2")
+    opened = read_arm(path, joints, still={"finger_left": 0.03})
+    placed = read_arm(path, joints, still={"finger_left": 0.03, "finger_right": -0.005})
+    assert opened.inertia == pytest.approx(placed.inertia)
+    assert not np.allclose(opened.inertia, read_arm(path, joints).inertia)
+
+
 def compute_by_virtual_work(arm: Any, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
     """Inverse dynamics of all joints, the follower's torque brought to its leader by the slope of its path."""
     model = arm._model
