@@ -16,7 +16,9 @@ from fricomp.recording import Recording, RecordingMetadata, convert, load_mappin
 from fricomp.recording.named.log import NamedLog, is_native, read_named_log, separate_joints, slides_by_force_alone
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import is_bag_folder
-from fricomp.simulation_file import compile_simulation
+from fricomp.simulation_file import list_joints
+
+from .sides import join_sides
 
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
 
@@ -79,17 +81,19 @@ def read_arm_log(
         MissingExtraError: The package that reads a format is not installed.
     """
     single: dict[Path, Recording] = {}
-    sessions: list[tuple[Recording, ...]] = []
+    tables: dict[Path, tuple[Recording, ...]] = {}
     notes: list[str] = []
     files = list_log_files(sources)
     for path in files:
         found = _read_one(path, str(mapping), dict(channels or {}), notes, (simulation, names or {}))
         if len(found) > 1:
-            sessions.append(found)
+            tables[path] = found
         elif found:
             single[path] = found[0]
+    sessions = list(tables.values())
     if simulation is not None:
         single = _name_by_files(single, simulation, names or {}, notes)
+        sessions = join_sides(tables, list_joints(simulation), names or {}, notes) if len(tables) > 1 else sessions
     return ArmLog((*_group(list(single.values())), *sessions), tuple(notes), tuple(files))
 
 
@@ -168,9 +172,8 @@ def _name_by_files(
     stems = [path.stem for path in single]
     if len(single) < 2 or any(one.metadata.joint != RecordingMetadata().joint for one in single.values()):
         return single
-    model = compile_simulation(simulation)
     try:
-        match_joints(stems, [model.joint(i).name for i in range(model.njnt)], names)
+        match_joints(stems, list_joints(simulation), names)
     except SimulationFileError:
         return single  # several recordings of one joint
     notes.append(f"Each file is taken for the joint that it is called after: {', '.join(stems)}.")

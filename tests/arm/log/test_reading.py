@@ -220,3 +220,22 @@ def test_forces_of_joints_that_turn_in_the_simulation_are_torques(tmp_path: Path
     assert {one.metadata.motion for one in read_arm_log([path]).recordings} == {"linear"}
     path = write_csv(tmp_path / "N.csv", columns | {f"{n}_force_N": u for n, u in zip(names, TORQUE.T, strict=True)})
     assert {one.metadata.motion for one in read_arm_log([path], simulation=simulation).recordings} == {"linear"}
+
+
+def test_tables_of_two_sides_are_one_arm_where_their_names_make_those_of_the_simulation(tmp_path: Path) -> None:
+    """They were two sessions: a payload of -6.7 kg was told between a left and a right arm."""
+    joint = '<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="{0}_j{1}"/>{2}</body>'
+    arms = (joint.format(side, 1, joint.format(side, 2, joint.format(side, 3, ""))) for side in ("left", "right"))
+    simulation = tmp_path / "duo.xml"
+    simulation.write_text(f"<mujoco><worldbody>{''.join(arms)}</worldbody></mujoco>")
+    folder = tmp_path / "log"
+    folder.mkdir()
+    for k, side in enumerate(("left", "right")):
+        columns = {"time": TIME, **number("q", POSITION + k), **number("tau", TORQUE + k)}
+        write_csv(folder / f"{side}_arm.csv", columns)
+    log = read_arm_log([folder], simulation=simulation)
+    (session,) = log.sessions
+    assert [one.metadata.joint for one in session] == [f"{s}_joint_{k}" for s in ("left", "right") for k in (1, 2, 3)]
+    assert session[4].torque == pytest.approx(TORQUE[:, 1] + 1.0)
+    assert any("left_arm.csv for left" in note for note in log.notes)
+    assert len(read_arm_log([folder], simulation=write_arm(tmp_path)).sessions) == 2
