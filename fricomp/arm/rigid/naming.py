@@ -32,7 +32,9 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
 
     Equal names are the same joint, and so are those that differ by the word joint, by case, marks or leading zeros,
     where that leaves no choice: `joint_1`, `J1`, and `panda_joint1` where all names of one side have `panda` before
-    those of the other. Recordings that count from zero are those of a simulation that counts from one.
+    those of the other. Recordings that count from zero are those of a simulation that counts from one. Where every
+    joint of the simulation was recorded, names that are among the words of just one of its names are that joint:
+    `shoulder`, or `axis1`, of `j1_shoulder`.
 
     Args:
         recorded: Names in the recordings.
@@ -56,6 +58,9 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
     twice = [name for name, there in found.items() if list(found.values()).count(there) > 1]
     if not missing and not twice:
         return {name: str(there) for name, there in found.items()}
+    by_words = {name: given.get(name) or _find_by_words(name, simulated) for name in recorded}
+    if sorted(filter(None, by_words.values())) == sorted(simulated):
+        return {name: str(there) for name, there in by_words.items()}
     taken = [there for name, there in found.items() if name not in {*missing, *twice}]
     raise SimulationFileError(_write_refusal([*missing, *twice], [one for one in simulated if one not in taken]))
 
@@ -93,6 +98,13 @@ def _find(name: str, simulated: Sequence[str], prefixes: tuple[str, str]) -> str
         return name
     wanted = prefixes[0] + simplify_joint(name).removeprefix(prefixes[1])
     alike = [one for one in simulated if simplify_joint(one) == wanted]
+    return alike[0] if len(alike) == 1 else None
+
+
+def _find_by_words(name: str, simulated: Sequence[str]) -> str | None:
+    """The only joint of a simulation among the words of whose name are all of this one."""
+    wanted = set(simplify_joint(name).split("_"))
+    alike = [one for one in simulated if wanted <= set(simplify_joint(one).split("_"))]
     return alike[0] if len(alike) == 1 else None
 
 

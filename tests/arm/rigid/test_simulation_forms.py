@@ -157,6 +157,16 @@ def test_recordings_that_count_from_zero_are_of_joints_that_count_from_one() -> 
         match_joints(("q_0", "q_1"), ("rail", "joint_1"), {})
 
 
+def test_words_of_names_tell_joints_where_all_of_the_simulation_were_recorded() -> None:
+    """A made SCARA was refused for both; where the simulation has more joints, a gripper's could be meant."""
+    there = ("j1_shoulder", "j2_elbow", "j3_lift")
+    for recorded in (("elbow", "shoulder", "lift"), ("axis2", "axis1", "axis3")):
+        assert tuple(match_joints(recorded, there, {}).values()) == (there[1], there[0], there[2])
+    for recorded in (("shoulder", "elbow"), ("shoulder", "elbow", "wrist"), ("shoulder", "elbow", "j2")):
+        with pytest.raises(SimulationFileError):
+            match_joints(recorded, there, {})
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
