@@ -1,4 +1,4 @@
-"""Folders with a file for each quantity, all joints in it, and no names inside."""
+"""Folders with a file for each quantity, all joints in it."""
 
 from __future__ import annotations
 
@@ -12,23 +12,25 @@ from fricomp.recording.sources import is_text
 from fricomp.recording.validity import Samples
 
 from .column import read_column_name
+from .quantity_tables import read_quantity_tables
 
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 
 
 def read_quantity_files(folder: Path) -> dict[str, Samples]:
-    """Columns of a folder that holds one quantity a file, all joints in each, without names: `q.txt`, `tau.txt`.
+    """Columns of a folder that holds one quantity a file, all joints in each: `q.txt`, `tau.txt`.
 
-    A file of as many numbers as there are times, or a whole multiple, is read row by row.
+    A file of as many numbers as there are times, or a whole multiple, is read row by row; tables with a time in each
+    have joints for names.
 
     Returns:
-        Named `position:1` and so on, and `time`; empty where the folder is no such.
+        Named `position:1` and so on, or `elbow.positions`, and `time`; empty where the folder is no such.
     """
     files = [path for path in sorted(folder.iterdir()) if path.is_file() and is_text(path)]
     times = [path for path in files if _TIME_FILE.search(path.stem)]
     meanings = {path: read_column_name(path.stem) for path in files if path not in times}
     if len(times) != 1 or not any(one is not None and one.channel == "position" for one in meanings.values()):
-        return {}
+        return {} if times else read_quantity_tables(folder)
     try:
         time = _load_numbers(times[0]).ravel()
         columns = {"time": time}

@@ -239,3 +239,17 @@ def test_tables_of_two_sides_are_one_arm_where_their_names_make_those_of_the_sim
     assert session[4].torque == pytest.approx(TORQUE[:, 1] + 1.0)
     assert any("left_arm.csv for left" in note for note in log.notes)
     assert len(read_arm_log([folder], simulation=write_arm(tmp_path)).sessions) == 2
+
+
+def test_a_table_of_each_quantity_whose_columns_are_called_as_joints_is_one_log(tmp_path: Path) -> None:
+    """The positions alone were read, and refused since they say of no column what it is."""
+    names = ("shoulder", "elbow", "wrist")
+    late = TIME + 0.002
+    for stem, time, values in (("positions", TIME, np.rad2deg(POSITION)), ("torques", late, TORQUE)):
+        stem += "_deg" * (stem == "positions")
+        write_csv(tmp_path / f"{stem}.csv", {"time": time, **dict(zip(names, values.T, strict=True))})
+    (session,) = read_arm_log([tmp_path]).sessions
+    assert [one.metadata.joint for one in session] == list(names)
+    for one, position, torque in zip(session, POSITION.T, TORQUE.T, strict=True):
+        assert one.position == pytest.approx(position, abs=1e-6)
+        assert np.interp(late[:-1], one.time, one.torque) == pytest.approx(torque[:-1], abs=0.02)
