@@ -1,4 +1,4 @@
-"""Folders with a table for each quantity, whose columns are called as the joints are: `positions.csv`, `torques.csv`."""
+"""Folders with a table for each quantity, whose columns are called as the joints: `positions.csv`, `torques.csv`."""
 
 from __future__ import annotations
 

@@ -245,8 +245,7 @@ def test_a_table_of_each_quantity_whose_columns_are_called_as_joints_is_one_log(
     """The positions alone were read, and refused since they say of no column what it is."""
     names = ("shoulder", "elbow", "wrist")
     late = TIME + 0.002
-    for stem, time, values in (("positions", TIME, np.rad2deg(POSITION)), ("torques", late, TORQUE)):
-        stem += "_deg" * (stem == "positions")
+    for stem, time, values in (("positions_deg", TIME, np.rad2deg(POSITION)), ("torques", late, TORQUE)):
         write_csv(tmp_path / f"{stem}.csv", {"time": time, **dict(zip(names, values.T, strict=True))})
     (session,) = read_arm_log([tmp_path]).sessions
     assert [one.metadata.joint for one in session] == list(names)
