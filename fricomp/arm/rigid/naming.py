@@ -59,7 +59,7 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
     if not missing and not twice:
         return {name: str(there) for name, there in found.items()}
     by_words = {name: given.get(name) or _find_by_words(name, simulated) for name in recorded}
-    if sorted(filter(None, by_words.values())) == sorted(simulated):
+    if sorted(map(str, by_words.values())) == sorted(simulated):
         return {name: str(there) for name, there in by_words.items()}
     taken = [there for name, there in found.items() if name not in {*missing, *twice}]
     raise SimulationFileError(_write_refusal([*missing, *twice], [one for one in simulated if one not in taken]))
