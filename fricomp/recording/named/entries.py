@@ -24,9 +24,8 @@ def drop_numbered_twins(columns: dict[str, Samples]) -> dict[str, Samples]:
 
     def count_told(base: str) -> int:
         path, _, last = base.rpartition(".")
-        return sum(
-            name.endswith(f".{last}") and name.startswith(path) and not name.startswith(f"{base}.") for name in columns
-        )
+        own = [name for name in columns if not name.startswith(f"{base}.")]
+        return sum((name.endswith(f".{last}") and name.startswith(path)) or name.endswith(f".{base}") for name in own)
 
     twins = {base for base, count in numbered.items() if count_told(base) == count}
     return {name: values for name, values in columns.items() if name.rpartition(":")[0] not in twins}

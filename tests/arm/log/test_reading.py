@@ -252,3 +252,20 @@ def test_a_table_of_each_quantity_whose_columns_are_called_as_joints_is_one_log(
     for one, position, torque in zip(session, POSITION.T, TORQUE.T, strict=True):
         assert one.position == pytest.approx(position, abs=1e-6)
         assert np.interp(late[:-1], one.time, one.torque) == pytest.approx(torque[:-1], abs=0.02)
+
+
+def test_lists_and_their_names_in_a_structure_of_a_table_are_of_one_set_of_joints(tmp_path: Path) -> None:
+    """They came twice, by number and by name, and were refused."""
+    pa = pytest.importorskip("pyarrow")
+    pytest.importorskip("pyarrow.parquet")
+    names = ["elbow", "shoulder", "wrist"]
+    states = [
+        {"name": names, "position": q.tolist(), "effort": tau.tolist()} for q, tau in zip(POSITION, TORQUE, strict=True)
+    ]
+    path = tmp_path / "states.parquet"
+    pa.parquet.write_table(pa.table({"time": TIME, "joint_state": pa.array(states)}), path)
+    (session,) = read_arm_log([path]).sessions
+    assert len(session) == 3
+    for one, name, position in zip(session, names, POSITION.T, strict=True):
+        assert name in one.metadata.joint
+        assert one.position == pytest.approx(position)
