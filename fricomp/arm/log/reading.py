@@ -18,7 +18,7 @@ from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import is_bag_folder
 from fricomp.simulation_file import list_joints
 
-from .sides import join_sides
+from .sides import join_sides, list_called
 
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
 
@@ -109,7 +109,7 @@ def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
         if path.is_dir() and not is_bag_folder(path):
             inside = sorted(one for one in path.iterdir() if one.suffix.lower() in _SUFFIXES or is_bag_folder(one))
             logs = [one for one in inside if not _holds_words(one)]
-            matches = [path] if read_quantity_files(path) else logs or inside
+            matches = [path] if read_quantity_files(path) else logs or inside or _list_one_each(path)
         elif any(mark in source for mark in "*?[") and not path.exists():
             matches = sorted(map(Path, glob(source, recursive=True)))
         else:
@@ -118,6 +118,16 @@ def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
             raise RecordingError(f"{source} holds no log: give one of {', '.join(_SUFFIXES)}, or a rosbag2")
         found += matches
     return list(dict.fromkeys(found))
+
+
+def _list_one_each(folder: Path) -> list[Path]:
+    """The only log in each of the folders in this one; empty where one has none, or several."""
+    inside = [
+        [one for one in sorted(each.iterdir()) if one.suffix.lower() in _SUFFIXES and not _holds_words(one)]
+        for each in sorted(folder.iterdir())
+        if each.is_dir()
+    ]
+    return [logs[0] for logs in inside] if all(len(logs) == 1 for logs in inside) else []
 
 
 def _holds_words(path: Path) -> bool:
@@ -169,7 +179,7 @@ def _name_by_files(
     single: dict[Path, Recording], simulation: str | Path, names: Mapping[str, str], notes: list[str]
 ) -> dict[Path, Recording]:
     """Recordings that name no joint, called as their files, where each file is called as a joint of the simulation."""
-    stems = [path.stem for path in single]
+    stems = list_called(list(single))
     if len(single) < 2 or any(one.metadata.joint != RecordingMetadata().joint for one in single.values()):
         return single
     try:
@@ -177,7 +187,10 @@ def _name_by_files(
     except SimulationFileError:
         return single  # several recordings of one joint
     notes.append(f"Each file is taken for the joint that it is called after: {', '.join(stems)}.")
-    return {path: replace(one, metadata=replace(one.metadata, joint=path.stem)) for path, one in single.items()}
+    return {
+        path: replace(one, metadata=replace(one.metadata, joint=stem))
+        for stem, (path, one) in zip(stems, single.items(), strict=True)
+    }
 
 
 def _group(recordings: Sequence[Recording]) -> list[tuple[Recording, ...]]:

@@ -10,12 +10,16 @@ from fricomp.arm.rigid.naming import match_joints
 from fricomp.errors import SimulationFileError
 from fricomp.recording import Recording
 
-__all__ = ["join_sides"]
-
 _WORD = re.compile(r"[A-Za-z]+|\d+")
 
 Tables = Mapping[Path, tuple[Recording, ...]]
 """Recordings of the joints of each table."""
+
+
+def list_called(paths: Sequence[Path]) -> list[str]:
+    """What files are called: by their own names, or by those of their folders where their own are all the same."""
+    stems = [path.stem for path in paths]
+    return [path.parent.name for path in paths] if len(paths) > 1 and len(set(stems)) == 1 else stems
 
 
 def join_sides(
@@ -46,13 +50,18 @@ def join_sides(
         match_joints([one.metadata.joint for one in joined], simulated, names)
     except SimulationFileError:
         return sessions
-    told = ", ".join(f"{path.name} for {side}" for path, side in zip(tables, sides, strict=True))
+    told = ", ".join(f"{path} for {side}" for path, side in zip(_shorten(list(tables)), sides, strict=True))
     notes.append(f"Each table is taken for the side that it is called after: {told}.")
     return [joined]
 
 
 def _list_sides(paths: Sequence[Path]) -> list[str]:
     """Words of each file's name that not all others have."""
-    words = [_WORD.findall(path.stem.lower()) for path in paths]
+    words = [_WORD.findall(name.lower()) for name in list_called(paths)]
     shared = set.intersection(*map(set, words)) if words else set()
     return ["_".join(word for word in each if word not in shared) for each in words]
+
+
+def _shorten(paths: Sequence[Path]) -> list[str]:
+    """Names of files that tell them from each other."""
+    return [f"{path.parent.name}/{path.name}" if len({p.name for p in paths}) == 1 else path.name for path in paths]

@@ -269,3 +269,15 @@ def test_lists_and_their_names_in_a_structure_of_a_table_are_of_one_set_of_joint
     for one, name, position in zip(session, names, POSITION.T, strict=True):
         assert name in one.metadata.joint
         assert one.position == pytest.approx(position)
+
+
+def test_a_folder_with_a_folder_of_each_joint_is_an_arm(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    for name, q, tau in zip(("shoulder", "elbow", "wrist"), POSITION.T, TORQUE.T, strict=True):
+        (tmp_path / "log" / name).mkdir(parents=True)
+        write_csv(tmp_path / "log" / name / "data.csv", {"t": TIME, "pos": q, "tau": tau})
+    (session,) = read_arm_log([tmp_path / "log"], simulation=simulation).sessions
+    assert {one.metadata.joint for one in session} == {"shoulder", "elbow", "wrist"}
+    (tmp_path / "log" / "elbow" / "again.csv").write_text((tmp_path / "log" / "elbow" / "data.csv").read_text())
+    with pytest.raises(RecordingError, match="holds no log"):
+        read_arm_log([tmp_path / "log"], simulation=simulation)
