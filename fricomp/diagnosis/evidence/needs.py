@@ -13,6 +13,7 @@ from ..effects.structure import N_BASE
 from ..inputs.track import FloatArray
 from .refitted import RefittedJoint, condition
 from .settings import NEEDS
+from .undetermined import is_open_of_effect
 
 
 def list_objections(refitted: RefittedJoint) -> dict[str, str]:
@@ -23,7 +24,8 @@ def list_objections(refitted: RefittedJoint) -> dict[str, str]:
     """
     found = {}
     for name in refitted.structure.names:
-        reason = _find_end(refitted, name) or _find_lowest(refitted, name) or _find_absence(refitted, name)
+        findings = (_find_end, _find_lowest, _find_open, _find_absence)
+        reason = next((said for find in findings if (said := find(refitted, name))), "")
         if reason:
             found[name] = reason
     return found
@@ -70,6 +72,14 @@ def _find_lowest(refitted: RefittedJoint, name: str) -> str:
         if parameter.at_lowest:
             return f"the interval of its {parameter.name.replace('_', ' ')} holds that of {parameter.at_lowest}"
     return ""
+
+
+def _find_open(refitted: RefittedJoint, name: str) -> str:
+    """Say which number that its effect is looked for by, such as a gap, this recording does not determine."""
+    numbers = refitted.list_parameters(name, "", "")
+    own = [one for owner, one in refitted.structure.parameters if owner == name and one.searched]
+    at = next((one.name for one in own if one.name in numbers and is_open_of_effect(one, numbers)), "")
+    return f"its {at.replace('_', ' ')} is not determined by this recording" if at else ""
 
 
 def _find_absence(refitted: RefittedJoint, name: str) -> str:

@@ -34,7 +34,7 @@ def list_undetermined(refitted: RefittedJoint, units: tuple[str, str]) -> tuple[
     for owner in refitted.structure.names:
         numbers = refitted.list_parameters(owner, *units)
         own = [one for name, one in refitted.structure.parameters if name == owner and one.name in numbers]
-        found += [f"{owner}.{one.name}" for one in own if _is_open_of_effect(one, numbers)]
+        found += [f"{owner}.{one.name}" for one in own if is_open_of_effect(one, numbers)]
     return tuple(found)
 
 
@@ -84,7 +84,7 @@ def _may_be_nothing(half: float, value: float, size: float) -> bool:
     return half > UNDETERMINED.ratio * abs(value) and half * size > UNDETERMINED.matters
 
 
-def _is_open_of_effect(parameter: EffectParameter, numbers: Mapping[str, Quantity]) -> bool:
+def is_open_of_effect(parameter: EffectParameter, numbers: Mapping[str, Quantity]) -> bool:
     """Whether a number of an effect may be nearly all that is looked for, or twice and next to nothing of itself."""
     if parameter.name.startswith(_PHASE) or parameter.scale <= 0.0:
         return False

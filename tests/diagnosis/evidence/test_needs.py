@@ -118,3 +118,10 @@ def test_the_way_to_a_stop_that_nothing_meets_is_no_number(met: float, told: boo
     assert ("travel" in one.list_parameters("end_stop", "N·m", "rad")) == told
     assert list_objections(one) == {}
     assert "end_stop.travel" not in list_undetermined(one, ("N·m", "rad"))
+
+
+@pytest.mark.parametrize(("deviation", "named"), [(0.3, True), (0.8, False)])
+def test_a_gap_that_may_be_a_third_or_three_times_itself_is_no_name(deviation: float, named: bool) -> None:
+    objections = list_objections(_refitted("backlash", deviation, gap=float(np.log(3e-3))))
+    assert ("backlash" not in objections) == named
+    assert named or "not determined" in objections["backlash"]
