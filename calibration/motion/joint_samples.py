@@ -31,6 +31,7 @@ class RegressionSettings:
         position_cutoff: Low-pass of the position before it is differentiated [Hz].
         torque_cutoff: Low-pass of torque and regressors; samples are decimated to five times it [Hz].
         gravity: Whether gravity acts (a cosine and a sine of the position).
+        level_gravity: Whether it may act over so small an angle that it is a constant torque, which is no friction.
         slowest: A joint counts as sliding above this fraction of its top speed. Below, it may rest or creep, where
             friction is anything up to the static torque, and encoders at rest make up speeds of their own.
         margin: Time left out at both ends, where filters start; around gaps too [s].
@@ -39,6 +40,7 @@ class RegressionSettings:
     position_cutoff: float = 60.0
     torque_cutoff: float = 50.0
     gravity: bool = False
+    level_gravity: bool = False
     slowest: float = 0.01
     margin: float = 0.05
 

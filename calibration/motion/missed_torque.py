@@ -19,6 +19,12 @@ _SURE = 4.0
 """Standard deviations that it must have."""
 
 
+_UNKNOWN = 0.5
+"""Half of the 95 % interval of a constant torque beside gravity, over the torque, from which on it may be all gravity."""
+_MATTERS = 0.05
+"""Part of the Coulomb torque below which a constant torque may be anything: directions of most joints differ by more."""
+
+
 @dataclass(frozen=True)
 class MissedTorque:
     """Gravity or a spring that a fit without it misses.
@@ -62,11 +68,55 @@ def find_missed_spring(samples: JointSamples, settings: RegressionSettings) -> M
     return _judge(without, sprung, *sprung.stiffness)
 
 
+def find_level_gravity(samples: JointSamples, settings: RegressionSettings) -> float:
+    """Constant torque that may all be gravity, which over a small angle is one [N·m]; 0 where it is none, or is told.
+
+    Sliding does not tell a constant torque from friction that differs between the directions. What gravity may be is
+    no friction: at another angle it is another torque.
+
+    Args:
+        samples: Of a rotary joint.
+        settings: As it is to be identified.
+    """
+    fits = None if settings.gravity else _fit_both(samples, settings, gravity=True)
+    if fits is None:
+        return 0.0
+    without, heavy = fits
+    half = 1.96 * heavy.standard_deviations[3]
+    least = min(abs(without.offset), abs(_fit_constant(samples, settings)))
+    return without.offset if half > _UNKNOWN * least > _UNKNOWN * _MATTERS * without.coulomb_torque else 0.0
+
+
+def _fit_constant(samples: JointSamples, settings: RegressionSettings) -> float:
+    """Constant torque beside viscous friction of its own in each direction, whose difference is no constant [N·m]."""
+    rows = samples.sliding(settings.slowest, bends=False)
+    velocity = samples.velocity[rows]
+    columns = [np.ones_like(velocity), samples.acceleration[rows], samples.direction[rows]]
+    columns += [np.maximum(velocity, 0.0), np.minimum(velocity, 0.0)]
+    return float(np.linalg.lstsq(np.stack(columns, axis=1), samples.torque[rows], rcond=None)[0][0])
+
+
 def describe_gravity(missed: MissedTorque, unit: str) -> str:
     """Say how gravity shows, in half a sentence."""
     return (
         f"the torque holds {missed.size:.4g} {unit} that goes with sine and cosine of the angle, as gravity does: "
         f"without gravity {missed.without:.2g} of the torque is unexplained, with it {missed.left:.2g}"
+    )
+
+
+def describe_level_gravity(level: float, unit: str, flag: str) -> str:
+    """Say what was made of a constant torque that may be gravity, and what else it may be.
+
+    Args:
+        level: The torque.
+        unit: Its unit.
+        flag: What stands before the name of an argument, such as `--` on the command line.
+    """
+    none = f"{flag}no-gravity" if flag else "gravity=False"
+    return (
+        f"Over so small an angle a constant torque of {level:.4g} {unit} may be gravity: it is the offset of the rigid "
+        f"body, and no part of the friction, which is not told from it where it differs between the directions; move "
+        f"over a wider angle, or say {none} where no gravity acts."
     )
 
 

@@ -176,7 +176,7 @@ def identify_motion(
     Where friction has to build up over some way after a rest or a reversal, that way is left out too: neither is it
     sliding friction. A constant torque and friction that differs between the directions look alike while the joint
     slides: a law with a curve for each direction takes the whole of it, and says so, unless friction would have to
-    drive the joint in one of them.
+    drive the joint in one of them, or that torque may be gravity's.
 
     Raises:
         IdentificationError: The motion does not tell the parts apart.
@@ -310,7 +310,7 @@ def _fit_sliding(
     rigid = fit_rigid_body(samples, gravity=settings.gravity, rows=rows)
     symmetric_offset = rigid.offset
     bidirectional = separable_law(law).bidirectional  # its curves hold any offset: fitted beside them it is anything
-    shares_offset = bidirectional and abs(symmetric_offset) < rigid.coulomb_torque
+    shares_offset = bidirectional and not settings.level_gravity and abs(symmetric_offset) < rigid.coulomb_torque
     if shares_offset:
         rigid = replace(rigid, offset=0.0, standard_deviations=(*rigid.standard_deviations[:3], 0.0))
     velocity, mixed = samples.velocity[rows], np.zeros_like(samples.torque)

@@ -27,7 +27,9 @@ from fricomp.calibration.motion.joint_samples import (
 from fricomp.calibration.motion.missed_torque import (
     describe_gravity,
     doubt_for_gravity,
+    describe_level_gravity,
     doubt_for_spring,
+    find_level_gravity,
     find_missed_gravity,
     find_missed_spring,
 )
@@ -275,6 +277,10 @@ def _identify_recording(
         chosen = replace(chosen, gravity=True)
         leave_out = f"{flag}no-gravity" if flag else "gravity=False"
         notes.append(f"Gravity is fitted: {describe_gravity(missed, meta.torque_unit)}; {leave_out} leaves it out.")
+    elif meta.motion == "rotary" and not one_way and settings.gravity is None:
+        level = find_level_gravity(samples, chosen)
+        chosen = replace(chosen, level_gravity=level != 0.0)
+        notes += [describe_level_gravity(level, meta.torque_unit, flag)] if level else []
     sprung = None if one_way else find_missed_spring(samples, chosen)
     motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
     left_out = missed if settings.gravity is False else None

@@ -34,6 +34,12 @@ _STEPS = re.compile(
     re.IGNORECASE,
 )
 """Names of a time since the row before."""
+_PERIOD = re.compile(
+    r"^(.*[/_. ])?(d_?t|[δΔ∆]_?t|t_?s|time_?step|(sampl\w*|cycle)[_ ]?(time|period|interval)|period)"
+    rf"[_\s\[(]*({_UNIT[1:-1]})?[\])]?$",
+    re.IGNORECASE,
+)
+"""Names of a single number that is the time from row to row."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _TICK, _MOTOR_STATE = re.compile(r"(^|[/_.])tick$"), re.compile(r"motor_?state", re.IGNORECASE)
 """The counter of milliseconds beside the motors' states of a robot by Unitree."""
@@ -109,9 +115,14 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     Raises:
         RecordingError: No column is, or it holds no times.
     """
+    rows = max(values.size for values in columns.values()) if columns else 0
+    period = {name: values for name, values in columns.items() if values.size == 1 < rows and _PERIOD.match(name)}
+    columns = {name: values for name, values in columns.items() if name not in period}
     names = _prefer_even(columns, sorted(find_stamps(columns), key=lambda name: not _rises(columns[name])))
     names = names or _find_epochs(columns)
     if not names:
+        if period:
+            return _count_rows(path, *period.popitem(), rows)
         steps = next((name for name in columns if says_steps(name) and np.all(columns[name] >= 0.0)), "")
         if steps:
             _require_times(path, steps, columns[steps])
@@ -132,6 +143,13 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     finite = _require_times(path, names[0], time)
     unit = _read_unit(names[0]) or _guess_unit(finite)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _count_rows(path: Path, name: str, period: Samples, rows: int) -> RowTimes:
+    """The time of rows that come every so often, as a number beside them says."""
+    each = np.full(rows, float(_require_times(path, name, np.repeat(period, 2))[0]))
+    unit = _read_unit(name) or _guess_unit(np.cumsum(each))
+    return RowTimes(name, unit, np.cumsum(each) * find_unit(unit).factor)
 
 
 def _require_times(path: Path, name: str, values: Samples) -> Samples:

@@ -1,6 +1,6 @@
 """The columns of a foreign file, by name or by number."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -148,23 +148,37 @@ def columns_of_records(records: Iterable[Any]) -> Columns:
     return columns
 
 
-def _flatten_record(record: Any, prefix: str = "") -> dict[str, float]:
-    """Numbers of a nested record, and dates in seconds: keys joined by dots, list entries by their number."""
+def _flatten_record(record: Any, prefix: str = "", names: Sequence[str] = ()) -> dict[str, float]:
+    """Numbers of a nested record, and dates in seconds: keys joined by dots, list entries by their name or number.
+
+    Args:
+        record: A value, an object or a list.
+        prefix: What it is called.
+        names: Of the entries of lists in it, as an object around it says them.
+    """
     if isinstance(record, bool | int | float):
         return {prefix: float(record)}
     if isinstance(record, str):
         return _read_word(record, prefix)
     if isinstance(record, Mapping):
-        names = find_entry_names(record)
+        names = find_entry_names(record) or names
         items = [(str(name), value) for name, value in (tell_entries_apart(record, names) if names else record).items()]
     elif isinstance(record, list | tuple):
-        items = [(str(k), value) for k, value in enumerate(record, start=1)]
+        items = list(zip(_call_entries(record), record, strict=True))
     else:
         return {}
     flat: dict[str, float] = {}
     for name, value in items:
-        flat.update(_flatten_record(value, f"{prefix}.{name}" if prefix else name))
+        flat.update(_flatten_record(value, f"{prefix}.{name}" if prefix else name, names))
     return flat
+
+
+def _call_entries(entries: Sequence[Any]) -> list[str]:
+    """What the entries of a list are called: as each says itself, where all are objects with a name, else by number."""
+    said = [entry.get("name") for entry in entries if isinstance(entry, Mapping)]
+    names = [one for one in said if isinstance(one, str) and one]
+    is_told = len(set(names)) == len(entries) == len(names)
+    return names if is_told else [str(k) for k in range(1, len(entries) + 1)]
 
 
 def _read_word(word: str, name: str) -> dict[str, float]:

@@ -6,6 +6,7 @@ from their stamp or from the log. A mapping joins topics by time; see `topic`.
 """
 
 import itertools
+import re
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
@@ -27,6 +28,10 @@ _LONGEST_REASON = 300
 """Characters of a foreign error that are told: some repeat the file."""
 _FIRST = 100
 """Messages by which it is told what a topic holds."""
+_COMMANDS = re.compile(
+    r"(?:^|[/_])(?:cmd|commands?|desired|targets?|goals?|reference|setpoints?)(?:[/_]|$)", re.IGNORECASE
+)
+"""Part of a topic's name that says what joints are asked for, in messages that look like their states."""
 _MOST_NUMBERS = 100
 """Numbers of a message from which on it is a picture or a map."""
 _JOINT_STATE = ("sensor_msgs/msg/JointState", "sensor_msgs/JointState")
@@ -210,11 +215,16 @@ def _says_effort(states: Topic) -> bool:
 
 
 def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:
+    """The topic that is asked for; without a word on it the only one, beside those of what joints are asked for."""
+    measured = {name for name in topics if not _COMMANDS.search(name)}
+    if not wanted and len(measured) == 1:
+        return next(iter(measured))
     if wanted in topics:
         return wanted
     if wanted or len(topics) != 1:
         shown = ", ".join(sorted(topics)) or "none"
-        raise RecordingError(f"{path}: choose the topic by 'topic' in the mapping; it has {shown}")
+        line = f', such as topic = "{min(measured or topics)}" under [source]' if topics else ""
+        raise RecordingError(f"{path}: choose the topic by 'topic' in the mapping{line}; it has {shown}")
     return next(iter(topics))
 
 
@@ -233,6 +243,8 @@ def _list_fields(message: Any) -> Iterator[tuple[str, Any]]:
             yield one.name, dict(_list_fields(value))
         elif isinstance(value, np.ndarray):
             yield one.name, value.tolist()
+        elif isinstance(value, list) and all(isinstance(entry, str) for entry in value):
+            yield one.name, value  # whose the numbers beside them are
         elif isinstance(value, bool | int | float):
             yield one.name, value
 

@@ -8,7 +8,7 @@ import pytest
 import fricomp
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
-from fricomp.sim_bench.studies.logs.good_log import COULOMB, joint_log
+from fricomp.sim_bench.studies.logs.good_log import COULOMB, VISCOUS, joint_log
 
 
 def _weigh(log: Recording, size: float, angle: float) -> Recording:
@@ -24,6 +24,26 @@ def test_gravity_that_acts_is_fitted_and_told(size: float, angle: float, seed: i
     (told,) = (note for note in found.notes if note.startswith("Gravity is fitted"))
     assert told.endswith("gravity=False leaves it out.")
     assert found.parameters == fricomp.identify(log, law="coulomb_viscous", gravity=True).parameters
+
+
+_SMALL = ((0.05, 0.4), (0.03, 1.1), (0.01, 2.3))
+"""Amplitudes [rad] and frequencies [Hz] of a reference over so small an angle that gravity is nearly constant."""
+
+
+@pytest.mark.parametrize(("size", "angle", "seed"), [(0.15, -1.4, 4), (0.25, 1.8, 5)])
+def test_gravity_that_a_small_angle_makes_constant_is_no_friction_of_one_direction(
+    size: float, angle: float, seed: int
+) -> None:
+    log = _weigh(joint_log(20.0, 500.0, seed, _SMALL), size, angle)
+    found = fricomp.identify(log, law="asymmetric_coulomb_viscous")
+    forward, reverse = (abs(float(found.model.torque(sign * 0.3))) for sign in (1.0, -1.0))
+    assert forward == pytest.approx(COULOMB + 0.3 * VISCOUS, rel=0.03)
+    assert reverse == pytest.approx(forward, rel=0.03)
+    (told,) = (note for note in found.notes if "may be gravity" in note)
+    assert told.endswith("or say gravity=False where no gravity acts.")
+    without = fricomp.identify(log, law="asymmetric_coulomb_viscous", gravity=False)
+    uneven = float(without.model.torque(0.3) + without.model.torque(-0.3)) / 2
+    assert abs(uneven) == pytest.approx(size * abs(np.sin(angle)), rel=0.2)
 
 
 def test_friction_that_holds_gravity_is_not_usable() -> None:
