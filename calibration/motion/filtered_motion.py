@@ -55,7 +55,8 @@ def doubt_for_filter(motion: MotionIdentification, cutoff: float) -> MotionIdent
     """
     message = (
         f"the motion comes {-1e3 * motion.lag.value:.2g} ms after the torque, as by a low-pass of some {cutoff:.2g} Hz "
-        "and not by a delay: so do velocities that a drive filters; the inertia and the bend of friction at low speed "
-        "are smeared by it: record the position, or the velocity before its filter"
+        "and not by a delay: so do velocities that a drive filters, and motors behind which a gear has a gap; the "
+        "inertia and the bend of friction at low speed are smeared by it: record the position, or the velocity before "
+        "its filter; where it was no filter, 'fricomp diagnose' looks for what it is"
     )
     return replace(motion, friction=doubted(motion.friction, Status.NOT_IDENTIFIABLE, message))

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from scipy.ndimage import binary_opening
-from scipy.signal import butter, lfilter, sosfiltfilt, sosfreqz
+from scipy.signal import butter, lfilter, sosfiltfilt
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
-from fricomp.root_mean_square import compute_rms
 
+from .noise import measure_position_noise, measure_torque_noise, pass_white_noise, position_filter
 from .parts import MotionParts, split_motion
 
 
@@ -79,10 +79,6 @@ same way, and a few parameters of thousands of samples are known better than one
 _KEPT = 0.8
 """Part of the samples that slide which that must leave, else the strokes are too short for it."""
 
-_GLITCH = 3.0
-"""Times the difference that nine of ten are below, from which on one is a glitch: five standard deviations."""
-_FREQUENCIES = 4096
-"""Frequencies at which a filter's gain is measured; the narrowest pass has dozens of them."""
 _RING = 0.5
 """Periods of the low-pass's cutoff for which a direction must be one: where it rings it passes 1 for less."""
 
@@ -101,6 +97,7 @@ class RecordedMotion:
         clock_error: Standard deviation of the recording's stamps from the instants of the samples [s].
         acceleration_noise: Standard deviation of what the position's noise makes of the filtered acceleration
             [rad/s²] or [m/s²].
+        torque_noise: Standard deviation of what is left of the torque's own noise [N·m] or [N].
     """
 
     parts: tuple[FloatArray, ...]
@@ -111,6 +108,7 @@ class RecordedMotion:
     cutoff: float
     clock_error: float = 0.0
     acceleration_noise: float = 0.0
+    torque_noise: float = 0.0
 
     def count_samples(self, periods: float) -> int:
         """Samples in so many periods of the low-pass's cutoff, and at least one."""
@@ -246,8 +244,12 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
     position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
     clock_error = recording.metadata.clock_error or 0.0
-    noise = _position_noise(recording) * _measure_gain(low_pass, settings, rate)
-    recorded = RecordedMotion(velocities, torques, low_pass, index, recording.sample_period, cutoff, clock_error, noise)
+    filters = low_pass, position_filter(settings.position_cutoff, rate)
+    recorded = RecordedMotion(
+        velocities, torques, low_pass, index, recording.sample_period, cutoff, clock_error,
+        acceleration_noise=measure_position_noise(recording) * pass_white_noise(filters, rate, derivative=2),
+        torque_noise=measure_torque_noise(recording) * pass_white_noise(filters[:1], rate),
+    )  # fmt: skip
     return JointSamples(position, velocity, acceleration, direction, torque, recorded)
 
 
@@ -265,7 +267,7 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
     Raises:
         IdentificationError: The recording is too short for the filters.
     """
-    density = 2.0 * recording.sample_period * _position_noise(recording) ** 2
+    density = 2.0 * recording.sample_period * measure_position_noise(recording) ** 2
     best, least = replace(_DEFAULTS, gravity=gravity), np.inf
     noisier: list[RegressionSettings] = []
     for factor in _LOWER:
@@ -330,45 +332,6 @@ def _count_sliding(recording: Recording, settings: RegressionSettings) -> int:
     return int(np.count_nonzero(sample_joint(recording, settings).sliding(settings.slowest)))
 
 
-def _position_noise(recording: Recording) -> float:
-    """Standard deviation of the position's noise, mostly its quantisation [rad] or [m].
-
-    Sixth differences of a motion sampled ten times faster than it changes are nothing beside those of white noise,
-    which have the variance of the binomial coefficients' squares, 924. Those of an encoder at rest are zero and say
-    nothing, and those across a gap are of the motion in it. Glitches count as no more than large noise.
-    """
-    if len(recording) < 7:
-        return 0.0
-    differences = np.abs(np.diff(recording.position, 6))
-    jumps = np.abs(np.diff(recording.time) - recording.sample_period) > 0.5 * recording.sample_period
-    steps = np.abs(np.diff(recording.position)) > 1e-12 * np.ptp(recording.position)
-    steady, moves = (np.convolve(one, np.ones(6), mode="valid") for one in (jumps, steps))
-    shown = differences[(steady == 0.0) & (moves > 0.0)]
-    if not len(shown):
-        return 0.0
-    usual = np.minimum(shown, _GLITCH * np.quantile(shown, 0.9))
-    return float(np.sqrt(np.mean(usual**2) / 924.0))
-
-
-def _measure_gain(low_pass: FloatArray, settings: RegressionSettings, rate: float) -> float:
-    """Standard deviation of the filtered acceleration over that of a position's white noise [1/s²].
-
-    Args:
-        low_pass: Second-order sections of the torque's filter.
-        settings: Cutoff of the position.
-        rate: Of the recording [Hz].
-    """
-    of_position = _position_filter(settings, rate)
-    angle = np.linspace(0.0, np.pi, _FREQUENCIES)
-    gain = np.prod([np.abs(sosfreqz(sections, angle)[1]) ** 2 for sections in (low_pass, of_position)], axis=0)
-    return compute_rms(gain * (angle * rate) ** 2)
-
-
-def _position_filter(settings: RegressionSettings, rate: float) -> FloatArray:
-    """Second-order sections of the low-pass before the position is differentiated."""
-    return np.asarray(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"))
-
-
 def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> MotionParts:
     """The parts of a recording that are filtered; gaps below half a period of the position's cutoff are bridged."""
     return split_motion(recording, shortest_gap=0.5 / settings.position_cutoff, margin=settings.margin)
@@ -397,7 +360,7 @@ def _filter(
     rate = 1.0 / recording.sample_period
     position = _interpolate(even, recording)
     torque = np.interp(even, recording.time, recording.torque)
-    smooth = sosfiltfilt(_position_filter(settings, rate), position)
+    smooth = sosfiltfilt(position_filter(settings.position_cutoff, rate), position)
     curve = CubicSpline(even, smooth)  # differences would lose an eighth of an acceleration at a tenth of the rate
     velocity = curve(even, 1)
     columns = np.stack([smooth, velocity, curve(even, 2), np.sign(velocity), torque])

@@ -35,6 +35,7 @@ from fricomp.calibration.motion.missed_torque import (
 )
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification
+from fricomp.calibration.motion.unexplained import doubt_for_unexplained
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
@@ -291,6 +292,7 @@ def _identify_recording(
     cutoff = None if one_way else find_motion_filter(samples, chosen, motion.lag.value)
     if cutoff is not None:
         motion = doubt_for_filter(motion, cutoff)
+    motion = doubt_for_unexplained(motion, samples.recorded)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 
