@@ -51,7 +51,13 @@ def find_missed_gravity(samples: JointSamples, settings: RegressionSettings) -> 
     if fits is None:
         return None
     without, heavy = fits
+    if _shows_inertia(without) and not _shows_inertia(heavy):
+        return None  # of a single swing the angle goes with the acceleration: gravity stands in for the inertia
     return _judge(without, heavy, float(np.hypot(*heavy.gravity)), max(heavy.gravity_deviations))
+
+
+def _shows_inertia(body: RigidBodyFit) -> bool:
+    return body.inertia > _SURE * body.standard_deviations[0]
 
 
 def find_missed_spring(samples: JointSamples, settings: RegressionSettings) -> MissedTorque | None:
@@ -65,6 +71,8 @@ def find_missed_spring(samples: JointSamples, settings: RegressionSettings) -> M
     if fits is None:
         return None
     without, sprung = fits
+    if _shows_inertia(without) and not _shows_inertia(sprung):
+        return None
     return _judge(without, sprung, *sprung.stiffness)
 
 

@@ -267,7 +267,7 @@ def _fit_aligned(
     samples: JointSamples, settings: RegressionSettings, rows: _Rows, law: str, options: IdentificationOptions
 ) -> _SlidingFit:
     """Rigid body and friction with the torque at the time of the motion that it belongs to."""
-    fit = _fit_sliding(samples, settings, rows, law, options, 0.0)
+    fit = first = _fit_sliding(samples, settings, rows, law, options, 0.0)
     for _ in range(_LAG_STEPS):
         lag = float(np.clip(fit.lag.value, -settings.margin, settings.margin))  # beyond, parts have no torque
         if fit.lag.step < _LAG_SETTLED or lag == fit.lag.taken_off:
@@ -275,7 +275,8 @@ def _fit_aligned(
         aligned = replace(samples, torque=samples.recorded.torque_after(lag))
         later = _fit_sliding(aligned, settings, rows, law, options, lag)
         if later.rigid.residual > _NO_WORSE * fit.rigid.residual:
-            return _with_unknown_lag(fit, settings)
+            is_shown = fit.rigid.residual * _NO_WORSE < first.rigid.residual
+            return _with_unknown_lag(fit if is_shown else first, settings)  # what shows nowhere is not taken off
         fit = later
     return fit
 

@@ -14,9 +14,9 @@ from .joint_samples import RecordedMotion
 from .rigid_body import MotionIdentification
 
 _MUCH = 0.05
-"""Root mean square of what is unexplained over that of the friction, from which on its intervals do not hold. Of 60
-simulated joints with nothing else in them none had more than 0.02; with gaps or elastic gears the curves were off by
-0.3 to 1.2 times this part. Public recordings have 0.02 (EMPS, a UR10e's base) to 0.5 (under load)."""
+"""Root mean square of what is unexplained over that of the friction, from which on its intervals do not hold. Of 20
+simulated joints with nothing else in them none had more than 0.01; with gaps or elastic gears up to 0.5, and the curves
+were off by up to 1.2 times the part. Public recordings have 0.02 (EMPS, a UR10e's base) to 0.5 (under load)."""
 
 
 def measure_unexplained(motion: MotionIdentification, recorded: RecordedMotion) -> float:

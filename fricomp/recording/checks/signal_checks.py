@@ -202,10 +202,14 @@ def _around(size: Samples) -> Samples:
 
 
 def _moving(recording: Recording, travel: float) -> NDArray[np.bool_]:
-    """Blocks of 0.25 s, or of five samples, in which the joint moves by more than 1e-4 of its travel."""
+    """Blocks of 0.25 s, or of five samples, in which the joint moves by more than 1e-4 of its travel.
+
+    It is looked at four times in a block: a swing of a block's length ends where it began.
+    """
     rows = max(5, round(0.25 / recording.sample_period))
     starts = np.arange(0, len(recording) - rows, rows)
-    reach = np.abs(recording.position[starts + rows] - recording.position[starts])
+    looks = [starts + round(0.25 * part * rows) for part in range(1, 5)]
+    reach = np.max([np.abs(recording.position[look] - recording.position[starts]) for look in looks], axis=0)
     step = recording.metadata.encoder_resolution or 0.0
     return np.asarray(reach > max(1e-4 * travel, 1.5 * step))
 

@@ -13,11 +13,15 @@ from fricomp.sim_bench.studies.logs.good_log import COULOMB, VISCOUS, joint_log
 RATE, STEPS = 500.0, 8
 
 
-def _swing(gap: float, seconds: float = 12.0) -> Recording:
+_SWINGS = ((0.5, 0.9), (0.25, 2.3))
+"""Amplitudes [rad] and frequencies [Hz] of the reference."""
+
+
+def _swing(gap: float, seconds: float = 12.0, swings: tuple[tuple[float, float], ...] = _SWINGS) -> Recording:
     """A motor with friction that moves a link of the same inertia through a gear with a gap, in a loop of 25 rad/s."""
     inertia, stiffness, damping = 0.015, 0.015 * 250.0**2, 0.4
     time, h = np.arange(0.0, seconds, 1.0 / RATE), 1.0 / RATE / STEPS
-    reference = 0.5 * np.sin(2.0 * np.pi * 0.9 * time) + 0.25 * np.sin(2.0 * np.pi * 2.3 * time + 1.0)
+    reference = np.sum([size * np.sin(2.0 * np.pi * rate * time + rate) for size, rate in swings], axis=0)
     speed = np.gradient(reference, time)
     q, v, x, w = float(reference[0]), 0.0, float(reference[0]), 0.0
     rows = np.empty((time.size, 2))
@@ -71,3 +75,12 @@ def test_a_stiff_gear_without_a_gap_is_nothing_else_that_acts() -> None:
     found = fricomp.identify(_swing(0.0), law="coulomb_viscous")
     assert found.status is Status.CONVERGED, found.result.message
     assert found.parameters["coulomb.coulomb_torque"] == pytest.approx(COULOMB, rel=0.03)
+
+
+def test_a_single_swing_with_a_small_gap_is_no_gravity_and_no_rest() -> None:
+    """Its angle goes with its acceleration, so that gravity stands in for the inertia where neither fits."""
+    found = fricomp.identify(_swing(0.001, 8.0, ((0.15, 4.0),)), law="coulomb_viscous")
+    assert found.motion is not None
+    assert found.motion.rigid_body.inertia == pytest.approx(0.03, rel=0.06)
+    assert not any(word in note for note in found.notes for word in ("Gravity is fitted", "rests"))
+    assert found.status is Status.LACK_OF_FIT
