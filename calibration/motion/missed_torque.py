@@ -20,9 +20,9 @@ _SURE = 4.0
 
 
 _UNKNOWN = 0.5
-"""Half of the 95 % interval of a constant torque beside gravity, over the torque, from which on it may be all gravity."""
+"""Half of the 95 % interval of a constant torque beside gravity, over it, from which on it may be all gravity."""
 _MATTERS = 0.05
-"""Part of the Coulomb torque below which a constant torque may be anything: directions of most joints differ by more."""
+"""Part of the Coulomb torque below which a constant torque may be anything: directions differ by as much."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ were off by up to 1.2 times the part. Public recordings have 0.02 (EMPS, a UR10e
 
 
 def measure_unexplained(motion: MotionIdentification, recorded: RecordedMotion) -> float:
-    """Root mean square of what is unexplained beyond the noise of torque and acceleration, over that of the friction."""
+    """Root mean square of what is unexplained beyond the noise of torque and acceleration, over the friction's."""
     of_acceleration = motion.rigid_body.inertia * recorded.acceleration_noise
     left = motion.friction.noise.level**2 - of_acceleration**2 - recorded.torque_noise**2
     return float(np.sqrt(max(left, 0.0) / max(float(np.mean(motion.points[:, 1] ** 2)), 1e-300)))
@@ -32,8 +32,8 @@ def doubt_for_unexplained(motion: MotionIdentification, recorded: RecordedMotion
     if part < _MUCH or find_doubt_in_status(motion.friction.status, "") is not None:
         return motion
     message = (
-        f"{100.0 * part:.2g} % as much as the friction is left of the torque and is no noise: something else acts, such "
-        "as a gap, an elastic gear, cogging or friction under load, and the curve may be off by as much, which its "
+        f"{100.0 * part:.2g} % as much as the friction is left of the torque and is no noise: something else acts, "
+        "such as a gap, an elastic gear, cogging or friction under load, and the curve may be off by as much, which its "
         "intervals do not hold: 'fricomp diagnose' looks for what it is"
     )
     return replace(motion, friction=doubted(motion.friction, Status.LACK_OF_FIT, message))

@@ -26,8 +26,8 @@ from fricomp.calibration.motion.joint_samples import (
 )
 from fricomp.calibration.motion.missed_torque import (
     describe_gravity,
-    doubt_for_gravity,
     describe_level_gravity,
+    doubt_for_gravity,
     doubt_for_spring,
     find_level_gravity,
     find_missed_gravity,
