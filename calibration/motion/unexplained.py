@@ -33,7 +33,7 @@ def doubt_for_unexplained(motion: MotionIdentification, recorded: RecordedMotion
         return motion
     message = (
         f"{100.0 * part:.2g} % as much as the friction is left of the torque and is no noise: something else acts, "
-        "such as a gap, an elastic gear, cogging or friction under load, and the curve may be off by as much, which its "
-        "intervals do not hold: 'fricomp diagnose' looks for what it is"
+        "such as a gap, an elastic gear, cogging or friction under load, and the curve may be off by as much, which "
+        "its intervals do not hold: 'fricomp diagnose' looks for what it is"
     )
     return replace(motion, friction=doubted(motion.friction, Status.LACK_OF_FIT, message))

@@ -17,31 +17,22 @@ from fricomp.calibration.identification import IdentificationResult, fit_discrep
 from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.calibration.identification.exponent import FIXED_LAW, FREE_LAW, asks_for_exponent, is_shown
 from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
-from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_motion_filter
 from fricomp.calibration.motion.joint_samples import (
     RegressionSettings,
     choose_settings,
     sample_joint,
     split_for,
 )
-from fricomp.calibration.motion.missed_torque import (
-    describe_gravity,
-    describe_level_gravity,
-    doubt_for_gravity,
-    doubt_for_spring,
-    find_level_gravity,
-    find_missed_gravity,
-    find_missed_spring,
-)
+from fricomp.calibration.motion.missed_torque import find_missed_gravity
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification
-from fricomp.calibration.motion.unexplained import doubt_for_unexplained
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
 from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
 
 from .identification import Identification
+from .motion_doubt import doubt_for_all, fit_gravity_where_it_shows
 from .motion_law import USUAL_LAW, identify_with_law
 
 if TYPE_CHECKING:
@@ -274,25 +265,12 @@ def _identify_recording(
     samples = sample_joint(recording, chosen)
     one_way = any(finding.code in ("one_way", "one_way_turns") for finding in findings)
     missed = find_missed_gravity(samples, chosen) if meta.motion == "rotary" and not one_way else None
-    if missed is not None and settings.gravity is None:
-        chosen = replace(chosen, gravity=True)
-        leave_out = f"{flag}no-gravity" if flag else "gravity=False"
-        notes.append(f"Gravity is fitted: {describe_gravity(missed, meta.torque_unit)}; {leave_out} leaves it out.")
-    elif meta.motion == "rotary" and not one_way and settings.gravity is None:
-        level = find_level_gravity(samples, chosen)
-        chosen = replace(chosen, level_gravity=level != 0.0)
-        notes += [describe_level_gravity(level, meta.torque_unit, flag)] if level else []
-    sprung = None if one_way else find_missed_spring(samples, chosen)
+    if meta.motion == "rotary" and not one_way and settings.gravity is None:
+        chosen, of_gravity = fit_gravity_where_it_shows(samples, chosen, missed, meta.torque_unit, flag)
+        notes += of_gravity
     motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
-    left_out = missed if settings.gravity is False else None
-    if sprung is not None and (left_out is None or sprung.left < left_out.left):
-        motion = doubt_for_spring(motion, sprung)
-    elif left_out is not None:
-        motion = doubt_for_gravity(motion, left_out, flag)
-    cutoff = None if one_way else find_motion_filter(samples, chosen, motion.lag.value)
-    if cutoff is not None:
-        motion = doubt_for_filter(motion, cutoff)
-    motion = doubt_for_unexplained(motion, samples.recorded)
+    if not one_way:
+        motion = doubt_for_all(motion, samples, chosen, missed if settings.gravity is False else None, flag)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 

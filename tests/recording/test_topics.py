@@ -227,6 +227,35 @@ def test_a_current_in_a_topic_of_bare_numbers_is_that_of_the_joint_beside_it(man
     np.testing.assert_allclose(again.torque, found.torque, atol=1e-9)
 
 
+@pytest.mark.parametrize("command", ["/joint_commands", "/desired/joint_states", "/elbow/target"])
+def test_of_two_topics_of_joint_states_that_which_was_measured_is_taken(command: str, tmp_path: Path) -> None:
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    state, time = types.types["sensor_msgs/msg/JointState"], types.types["builtin_interfaces/msg/Time"]
+    none = np.array([])
+    with Writer(tmp_path / "bag", version=9) as bag:
+        topics = [bag.add_connection(name, state.__msgtype__, typestore=types) for name in ("/joint_states", command)]
+        for k in range(200):
+            head = types.types["std_msgs/msg/Header"](time(int(_START), 5_000_000 * k), "")
+            for topic, position, effort in ((topics[0], 0.1 * k, [0.23 * k]), (topics[1], -1.0, [])):
+                message = state(head, ["elbow"], np.array([position]), none, np.array(effort))
+                bag.write(topic, 5_000_000 * k, types.serialize_cdr(message, state.__msgtype__))
+    (found,) = read_named_log(tmp_path / "bag").recordings
+    np.testing.assert_allclose(found.torque, 2.3 * np.asarray(found.position), atol=1e-9)
+
+
+def test_names_of_joints_hold_for_the_lists_of_messages_within_and_objects_say_their_own(tmp_path: Path) -> None:
+    nested = {"joint_names": ["hip", "knee"], "feedback": {"positions": [0.0, 1.0], "effort": [2.0, 3.0]}}
+    objects = {"joints": [{"name": "knee", "position": 1.0, "effort": 3.0}, {"name": "hip", "position": 0.0}]}
+    columns = read_named_columns(_write_json(tmp_path / "a.mcap", {"/a": [(0.1 * k, nested) for k in range(9)]}))
+    assert set(columns["feedback.knee.effort"]) == {3.0}
+    columns = read_named_columns(_write_json(tmp_path / "b.mcap", {"/a": [(0.1 * k, objects) for k in range(9)]}))
+    assert set(columns["joints.knee.position"]) == {1.0}
+    assert set(columns["joints.hip.position"]) == {0.0}
+
+
 def test_without_stamps_and_on_request_the_log_joins_them(tmp_path: Path) -> None:
     names = {"position": "position", "current": "current"}
     _is_joined(_convert(_write_json(tmp_path / "a.mcap", _series(), stamped=False), _MAPPING.format(**names)))

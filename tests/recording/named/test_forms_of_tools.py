@@ -236,6 +236,16 @@ def test_a_column_that_is_chosen_keeps_the_unit_in_its_name(tmp_path: Path) -> N
     assert read_content(path, channels={"torque": "XY.Z (Arms)"}).recording.metadata.torque_unit == "A"
 
 
+@pytest.mark.parametrize(("name", "period"), [("dt", 0.005), ("Ts_ms", 5.0), ("sim.sample_time", 0.005)])
+def test_a_single_period_beside_columns_without_a_time_is_that_of_their_rows(
+    name: str, period: float, tmp_path: Path
+) -> None:
+    np.savez(tmp_path / "log.npz", qpos=POSITION[:, None], actuator_force=TORQUE[:, None], **{name: period})
+    found = read_content(tmp_path / "log.npz").recording
+    assert found.sample_period == pytest.approx(1.0 / RATE)
+    np.testing.assert_allclose(found.torque, TORQUE)
+
+
 @pytest.mark.parametrize("name", ["Kt", "log.Kt_NmA", "motor.torque_constant"])
 def test_a_current_beside_its_torque_constant_is_taken_and_what_makes_a_torque_of_it_is_told(
     name: str, tmp_path: Path

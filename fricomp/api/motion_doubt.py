@@ -1,0 +1,68 @@
+"""What else acts on a recorded joint than friction: gravity that is fitted, and what makes a model doubtful."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_motion_filter
+from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
+from fricomp.calibration.motion.missed_torque import (
+    MissedTorque,
+    describe_gravity,
+    describe_level_gravity,
+    doubt_for_gravity,
+    doubt_for_spring,
+    find_level_gravity,
+    find_missed_spring,
+)
+from fricomp.calibration.motion.rigid_body import MotionIdentification
+from fricomp.calibration.motion.unexplained import doubt_for_unexplained
+
+
+def fit_gravity_where_it_shows(
+    samples: JointSamples, settings: RegressionSettings, missed: MissedTorque | None, unit: str, flag: str
+) -> tuple[RegressionSettings, list[str]]:
+    """The settings with the gravity that the torque shows, or may be a constant torque, and what is said of it.
+
+    Args:
+        samples: Of a rotary joint of which nobody has said whether gravity acts on it.
+        settings: Without gravity.
+        missed: Gravity that a fit without it misses.
+        unit: Of the torque.
+        flag: What stands before the name of an argument, such as `--` on the command line.
+    """
+    if missed is not None:
+        leave_out = f"{flag}no-gravity" if flag else "gravity=False"
+        said = f"Gravity is fitted: {describe_gravity(missed, unit)}; {leave_out} leaves it out."
+        return replace(settings, gravity=True), [said]
+    level = find_level_gravity(samples, settings)
+    if level == 0.0:
+        return settings, []
+    return replace(settings, level_gravity=True), [describe_level_gravity(level, unit, flag)]
+
+
+def doubt_for_all(
+    motion: MotionIdentification,
+    samples: JointSamples,
+    settings: RegressionSettings,
+    left_out: MissedTorque | None,
+    flag: str,
+) -> MotionIdentification:
+    """The motion of a joint that moves both ways, in doubt where its friction holds something else.
+
+    Args:
+        motion: As identified.
+        samples: From these.
+        settings: With these.
+        left_out: Gravity that shows and was not to be fitted.
+        flag: As for `fit_gravity_where_it_shows`.
+    """
+    sprung = find_missed_spring(samples, settings)
+    if sprung is not None and (left_out is None or sprung.left < left_out.left):
+        motion = doubt_for_spring(motion, sprung)
+    elif left_out is not None:
+        motion = doubt_for_gravity(motion, left_out, flag)
+    cutoff = find_motion_filter(samples, settings, motion.lag.value)
+    if cutoff is not None:
+        motion = doubt_for_filter(motion, cutoff)
+    return doubt_for_unexplained(motion, samples.recorded)
