@@ -240,7 +240,8 @@ def test_a_column_that_is_chosen_keeps_the_unit_in_its_name(tmp_path: Path) -> N
 def test_a_single_period_beside_columns_without_a_time_is_that_of_their_rows(
     name: str, period: float, tmp_path: Path
 ) -> None:
-    np.savez(tmp_path / "log.npz", qpos=POSITION[:, None], actuator_force=TORQUE[:, None], **{name: period})
+    arrays: dict[str, Any] = {"qpos": POSITION[:, None], "actuator_force": TORQUE[:, None], name: period}
+    np.savez(tmp_path / "log.npz", **arrays)
     found = read_content(tmp_path / "log.npz").recording
     assert found.sample_period == pytest.approx(1.0 / RATE)
     np.testing.assert_allclose(found.torque, TORQUE)
