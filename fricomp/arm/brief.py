@@ -116,6 +116,21 @@ def say_unexplained(record: ArmRecord) -> tuple[str, ...]:
     )
 
 
+def write_title(record: ArmRecord) -> str:
+    """The answer in a few words."""
+    if any(joint.effects for joint in record.joints):
+        said = "physics is missing"
+    elif list_doubts(record):
+        said = "what was found is in doubt"
+    elif left := [joint.name for joint in record.joints if is_unexplained(joint)]:
+        said = f"unexplained torque in {', '.join(left)}"
+    elif any(link.state == "off" for link in record.links):
+        said = "only links are off"
+    else:
+        said = "no physics is missing"
+    return f"Arm of {len(record.joints)} joints: {said}"
+
+
 def is_unexplained(joint: JointRecord) -> bool:
     """Whether much is left of a joint in which nothing is named."""
     return not joint.effects and joint.unexplained > _UNEXPLAINED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fricomp.arm.brief import say_unexplained, write_summary
+from fricomp.arm.brief import say_unexplained, write_summary, write_title
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
@@ -100,3 +100,17 @@ def test_what_nothing_explains_is_told_before_anything_is_said_to_be_well() -> N
     assert write_summary(record, told)[1].startswith("To do: look for what else moves")
     assert say_unexplained(_record((_joint("a", None), replace(_joint("b", None), unexplained=0.05)))) == ()
     assert say_unexplained(replace(record, better_frames=(JointFrame(joint="a", direction=-1, offset=0.0),))) == ()
+
+
+def test_the_title_says_no_more_than_the_answer() -> None:
+    """A page that began with torque that nothing explains was called 'no physics is missing'."""
+    fine, left = _joint("a", None), replace(_joint("b", None), unexplained=0.5)
+    off = (_link("upper", 4.0, "off"),)
+    friction = {"coulomb": Quantity(1.0, "N·m", (0.9, 1.1))}
+    fine, left = (replace(one, friction=friction) for one in (fine, left))
+    assert write_title(_record((fine, fine))).endswith("2 joints: no physics is missing")
+    assert write_title(_record((fine, fine), off)).endswith("only links are off")
+    assert write_title(_record((fine, left), off)).endswith("unexplained torque in b")
+    assert write_title(_record((_joint("c", 0.1), left))).endswith("physics is missing")
+    frames = (JointFrame(joint="a", direction=-1, offset=0.0),)
+    assert write_title(replace(_record((fine, left)), better_frames=frames)).endswith("in doubt")

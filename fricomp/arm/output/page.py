@@ -10,6 +10,7 @@ import numpy as np
 from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
 from fricomp.results import plain_name
 
+from ..brief import write_title
 from ..examination import ArmExamination
 from ..record import ArmRecord
 
@@ -98,9 +99,8 @@ def build_arm_page(examination: ArmExamination, charts: Mapping[str, Chart], not
         Section("Files", notes),
     ]
     named = sum(len(joint.effects) for joint in record.joints)
-    title = "Physics is missing" if named else "No physics is missing"
     return ReportPage(
-        title=f"Arm of {len(record.joints)} joints: {title.lower()}",
+        title=write_title(record),
         subtitle=f"Compared up to {record.cutoff:g} Hz over {record.duration:.4g} s",
         summary=record.sentences,
         sections=tuple(sections),
