@@ -73,3 +73,13 @@ def test_stamps_that_tell_what_is_missing_stay() -> None:
     keep = _lose(20000, 0.02, 1, 2)
     recording = _log(500.0, 17, keep, 2).with_channels(time=np.flatnonzero(keep) / 500.0)
     assert count_missing_rows(recording) == (recording, None)
+
+
+@pytest.mark.parametrize(("rate", "bits"), [(1000.0, 14), (500.0, 13), (250.0, 12)])
+def test_how_many_are_missing_unseen_is_told_where_a_coarse_encoder_hides_them(rate: float, bits: int) -> None:
+    keep = _lose(round(60 * rate), 0.02, 1, 7)
+    _, missing = count_missing_rows(_log(rate, bits, keep, 7))
+    assert missing is not None
+    told = int(missing.sentence.split(": some ")[1].split()[0])
+    assert missing.rows + told == pytest.approx(int(np.count_nonzero(~keep)), rel=0.25)
+    assert "Log the time of the device" in missing.sentence
