@@ -45,7 +45,7 @@ class MissingRows(NamedTuple):
         rows: That are missing.
         places: At which they are.
         period: Time between rows [s].
-        seen: Part of the rows at which the joint moves fast enough beside its encoder's steps for a missing one to show.
+        seen: Part of the rows at which the joint moves fast enough for its encoder to show a missing one.
     """
 
     rows: int
@@ -68,8 +68,8 @@ class MissingRows(NamedTuple):
             return ""
         left = self.rows * (1.0 / self.seen - 1.0)
         return (
-            f"At {100 * (1 - self.seen):.0f} % of the rows the joint moves too slowly for its encoder to show one: some "
-            f"{left:.0f} more may be missing, and what a diagnosis finds that nothing explains may be these. "
+            f"At {100 * (1 - self.seen):.0f} % of the rows the joint moves too slowly for its encoder to show one: "
+            f"some {left:.0f} more may be missing, and what a diagnosis finds that nothing explains may be these. "
         )
 
 
