@@ -23,7 +23,7 @@ from fricomp.diagnosis.joint.nulls import Nulls
 from fricomp.diagnosis.joint.observer import Contribution, Job, Observer, Plant
 from fricomp.diagnosis.joint.problem import Weights, build_problem
 from fricomp.diagnosis.joint.solver import Box, Fit
-from fricomp.diagnosis.record.result import Distinguishability
+from fricomp.diagnosis.record.result import Distinguishability, Quantity
 from fricomp.diagnosis.search.explanation import Explanation
 from fricomp.diagnosis.search.preparation import Baseline
 from fricomp.diagnosis.search.screening import Screen
@@ -121,6 +121,7 @@ def known_findings(baseline: Baseline, case: Case | None = None, **more: Any) ->
         unknown=False,
         refitted=RefittedJoint(baseline.structure, baseline.fit, np.eye(size)),
         base={},
+        late_action=Quantity(0.0, "s", (0.0, 0.0)),
         held=Confirmation(1.0, 1.0, 1.0, (0.0, 0.0), 0.0),
         noise_ratio=1.0,
         comparison=Comparison(),

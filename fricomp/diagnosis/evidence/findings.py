@@ -42,6 +42,7 @@ class Findings:
         unknown: Whether something is missing that no accepted effect covers.
         refitted: The joint that the verdict is about: the base with the chosen effects, or alone.
         base: Its parameters with their intervals.
+        late_action: How long after its stamp the torque acts in it.
         held: Errors on held-out data.
         noise_ratio: Residual of the base over its noise.
         comparison: What differs from the given simulation and friction.
@@ -63,6 +64,7 @@ class Findings:
     unknown: bool
     refitted: RefittedJoint
     base: dict[str, Quantity]
+    late_action: Quantity
     held: Confirmation
     noise_ratio: float
     comparison: Comparison
@@ -162,6 +164,7 @@ def collect_findings(case: Case) -> Findings:
         unknown=unknown,
         refitted=refitted,
         base=refitted.list_base(case.unit, case.position_unit, tolerances.known, strays),
+        late_action=refitted.measure_late_action(tolerances.known, strays),
         held=held,
         noise_ratio=_compute_noise_ratio(baseline, trial, held),
         comparison=comparison,

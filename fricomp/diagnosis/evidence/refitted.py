@@ -110,11 +110,17 @@ class RefittedJoint:
         known = float(np.sqrt(max(float(line @ self.covariance @ line), 0.0)))
         return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
 
-    def measure_late_action(self) -> Quantity:
-        """How long after its stamp the torque acts [s] in the mean. Where in its sample it begins is often not said."""
+    def measure_late_action(self, known: float, strays: FloatArray) -> Quantity:
+        """How long after its stamp the torque acts [s] in the mean. Where in its sample it begins is often not said.
+
+        Args:
+            known: Factor on the deviations that the fit knows of.
+            strays: Further deviations of the base. Shape (N_BASE,).
+        """
         context = self.structure.contexts[0]
         value = context.acts_late - float(self.fit.theta[_DELAY])
-        half = 1.96 * float(np.hypot(self.deviations[_DELAY], context.usual_delay[1]))
+        unknown = float(np.hypot(strays[_DELAY], context.usual_delay[1]))
+        half = 1.96 * float(np.hypot(known * self.deviations[_DELAY], unknown))
         return Quantity(value, "s", (max(value - half, 0.0), value + half))
 
     @property

@@ -116,7 +116,7 @@ def name_late_action(findings: Findings) -> NamedEffect:
     return NamedEffect(
         name=effect.name,
         kind=effect.kind,
-        parameters={"delay": findings.refitted.measure_late_action()},
+        parameters={"delay": findings.late_action},
         indistinguishable_from=("drive_lag",),
         equation="tau(t) = tau_recorded(t - T_d)",
         sentence="the torque acts later than its stamp says, by a delay or by a low pass of a high order",
