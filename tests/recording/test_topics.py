@@ -246,6 +246,23 @@ def test_of_two_topics_of_joint_states_that_which_was_measured_is_taken(command:
     np.testing.assert_allclose(found.torque, 2.3 * np.asarray(found.position), atol=1e-9)
 
 
+def test_a_row_of_bare_numbers_is_asked_about_with_what_to_write(tmp_path: Path) -> None:
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    row, layout = types.types["std_msgs/msg/Float64MultiArray"], types.types["std_msgs/msg/MultiArrayLayout"]([], 0)
+    with Writer(tmp_path / "bag", version=9) as bag:
+        topic = bag.add_connection("/motor_log", row.__msgtype__, typestore=types)
+        for k in range(200):
+            message = row(layout, np.array([0.01 * k, 1.0, 0.023 * k]))
+            bag.write(topic, 5_000_000 * k, types.serialize_cdr(message, row.__msgtype__))
+    with pytest.raises(RecordingError, match=r"data\.3, time.* --channel position=NAME --channel torque=NAME"):
+        read_named_log(tmp_path / "bag")
+    (found,) = read_named_log(tmp_path / "bag", {"position": "data.1", "torque": "data.3"}).recordings
+    np.testing.assert_allclose(found.torque, 2.3 * np.asarray(found.position))
+
+
 def test_names_of_joints_hold_for_the_lists_of_messages_within_and_objects_say_their_own(tmp_path: Path) -> None:
     nested = {"joint_names": ["hip", "knee"], "feedback": {"positions": [0.0, 1.0], "effort": [2.0, 3.0]}}
     objects = {"joints": [{"name": "knee", "position": 1.0, "effort": 3.0}, {"name": "hip", "position": 0.0}]}

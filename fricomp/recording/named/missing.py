@@ -54,9 +54,10 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
     )
     if path.is_file() and is_text(path):
         refuse_bytes(path, read_first_lines(path, _FIRST_ROWS).rows)
+    both = " --channel torque=NAME" if "and" in what else ""
     return (
         f"{path} does not say where {what} of a joint is: its columns are {list_names(columns)}. Name them such as q_1 "
-        f"and tau_1, say it by --channel {missing}=NAME{such} or give a --mapping ('fricomp convert {path} --inspect' "
+        f"and tau_1, say it by --channel {missing}=NAME{both}{such} or give a --mapping ('fricomp convert {path} --inspect' "
         "has one to edit)"
     )
 
