@@ -57,8 +57,8 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
     both = " --channel torque=NAME" if "and" in what else ""
     return (
         f"{path} does not say where {what} of a joint is: its columns are {list_names(columns)}. Name them such as q_1 "
-        f"and tau_1, say it by --channel {missing}=NAME{both}{such} or give a --mapping ('fricomp convert {path} --inspect' "
-        "has one to edit)"
+        f"and tau_1, say it by --channel {missing}=NAME{both}{such} or give a --mapping ('fricomp convert {path} "
+        "--inspect' has one to edit)"
     )
 
 
