@@ -142,7 +142,9 @@ def collect_findings(case: Case) -> Findings:
     chosen = trial.chosen
     tone = find_vibration(baseline) if chosen is None and matters(baseline) else None
     covered = trial.failed is not None
-    unknown = chosen is None and (tone is not None or stands_out(found, baseline, covered=covered))
+    unknown = chosen is None and (
+        tone is not None or (not trial.immaterial and stands_out(found, baseline, covered=covered))
+    )
     refitted = RefittedJoint.refit(baseline, chosen)
     tolerances = _choose_tolerances(baseline, trial, unknown)
     comparison = compare_given(case, refitted, tolerances)

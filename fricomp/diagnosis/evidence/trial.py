@@ -29,6 +29,7 @@ class Trial:
         failed: It, where it covers the mismatch and still is not named; else None.
         held: Held-out errors with what was chosen; None where nothing was.
         objections: What speaks against names that are not given, by name.
+        immaterial: Whether it covers the mismatch, of which the plain held-out error shows nothing.
     """
 
     repetitions: Repetitions = field(default_factory=lambda: Repetitions(0))
@@ -36,6 +37,7 @@ class Trial:
     failed: Explanation | None = None
     held: Confirmation | None = None
     objections: Mapping[str, str] = field(default_factory=dict)
+    immaterial: bool = False
 
 
 def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
@@ -60,6 +62,8 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         against = _list_objections(baseline, found, tried, held, repetitions)
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections)
+        if held.plain.explained < NEEDS.trace:
+            return Trial(repetitions, failed=tried, objections=objections | against, immaterial=True)
         objections |= against
         tried = _find_rest(found, set(tried.names) - set(against))
     return Trial(repetitions, failed=best if objections else None, objections=objections)

@@ -57,6 +57,16 @@ def test_nothing_is_named_where_the_plain_error_hardly_falls(monkeypatch: pytest
     assert found.chosen is None
     assert found.failed is one
     assert "plain held-out error" in found.objections["cogging"]
+    assert not found.immaterial
+
+
+def test_what_no_plain_error_shows_is_nothing_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A log slower than its loop: torque between its rows is where rows weigh most, and no law of the catalogue."""
+    both, one = _two()
+    shares = Repetitions(10, {("cogging",): 10})
+    found = _try(monkeypatch, one, both, shares=shares, plain=PlainErrors(1.0, 1.0, 0.2))
+    assert found.chosen is None
+    assert found.immaterial
 
 
 def test_the_form_of_friction_is_a_remark_beside_what_covers_without_it(monkeypatch: pytest.MonkeyPatch) -> None:
