@@ -31,7 +31,7 @@ def find_far_joint(baseline: Baseline, found: SearchResult) -> Plant | None:
         return None
     plant = unpack(found.best.fit.theta[:N_BASE])
     is_far = abs(np.log(plant.inertia) - baseline.box.centre[_INERTIA]) > np.log(SEARCH.far_inertia)
-    return plant if is_far else None
+    return plant if is_far and plant.level > 0.0 else None  # one without dry friction is bent itself
 
 
 def measure_left(baseline: Baseline, found: SearchResult) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.inputs.rigid import RigidJoint
+from fricomp.diagnosis.joint.base import BASE_NAMES
 from fricomp.diagnosis.search.late_joint import find_far_joint, measure_left
 from fricomp.diagnosis.search.preparation import Baseline
 
@@ -36,6 +37,17 @@ def test_a_joint_is_far_by_its_inertia_where_it_covers_most_and_more_than_noise_
         assert joint.inertia == pytest.approx(PLANT.inertia)
     simulation = RigidJoint(PLANT.inertia, PLANT.gravity, 0.0, 0.0, 0.0, True)
     assert find_far_joint(replace(moved, rigid=simulation), found) is None
+
+
+def test_a_joint_without_dry_friction_is_no_start() -> None:
+    """Its bristle has no stiffness, and a motor at one speed was found so."""
+    baseline = _move_estimate(known_baseline(loudness=3.0), 5.0)
+    fit = known_fit(baseline, ("cogging",), 900.0, coverage=0.9)
+    theta = fit.fit.theta.copy()
+    theta[[BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse")]] = 0.0
+    frictionless = replace(fit, fit=replace(fit.fit, theta=theta))
+    assert find_far_joint(baseline, known_search(fit)) is not None
+    assert find_far_joint(baseline, known_search(frictionless)) is None
 
 
 def test_where_nothing_was_found_there_is_no_other_joint_and_the_base_tells_what_is_left() -> None:
