@@ -46,7 +46,6 @@ class Baseline:
         recolouring: Filter that whitens the residual beyond what whitens the nulls, shape (4,); None where none does.
         rigid: Inertia and gravity as the simulation has them; None where none was given.
         structured: Whether what is left has lines or peaks over time that no null has: more than noise.
-        first: The first estimate, which what is missing may have bent less than the base; None where there was none.
     """
 
     problem: Problem
@@ -57,7 +56,6 @@ class Baseline:
     recolouring: FloatArray | None = None
     rigid: RigidJoint | None = None
     structured: bool = False
-    first: Plant | None = None
 
     @cached_property
     def basis(self) -> FloatArray:
@@ -131,24 +129,20 @@ def prepare(
         start: The joint as far as it is known; None for the estimate in weak form.
         tell: Called with a first look at what the base leaves, in a sentence.
     """
-    first, raw, fit, box = _fit_first(tracks, observer, rigid, start)
+    raw, fit, box = _fit_first(tracks, observer, rigid, start)
     fit, problem, _ = _reweigh(raw, fit, box, SEARCH.first_nulls, seed)
     tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    baseline = Baseline(problem, build_structure(problem, fit, box), fit, box, found, rigid=rigid, first=first)
+    baseline = Baseline(problem, build_structure(problem, fit, box), fit, box, found, rigid=rigid)
     return _level_noise(_recolour(baseline))
 
 
 def _fit_first(
     tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None, start: Plant | None
-) -> tuple[Plant, Problem, Fit, Box]:
-    """Fit the base without weights. The second start counts only where the first one leads far astray.
-
-    Returns:
-        The start, the recordings, the minimum and the domain.
-    """
+) -> tuple[Problem, Fit, Box]:
+    """Fit the base without weights. The second start counts only where the first one leads far astray."""
     top, tried = find_top_speed(tracks), []
     delays = min(one.delays[0] for one in tracks), max(one.delays[1] for one in tracks)
     torques = max(float(np.std(one.torque)) for one in tracks), max(float(np.max(np.abs(one.torque))) for one in tracks)
@@ -160,9 +154,9 @@ def _fit_first(
         )
         problem = build_problem(tracks, first, observer)
         evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
-        tried.append((first, problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
+        tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
-    return next((other for other in others if other[2].cost < SEARCH.astray_cost * usual[2].cost), usual)
+    return next((other for other in others if other[1].cost < SEARCH.astray_cost * usual[1].cost), usual)
 
 
 def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:

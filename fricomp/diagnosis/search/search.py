@@ -22,7 +22,7 @@ from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
-from .simulated_body import find_first_body, hold, move_to
+from .simulated_body import hold, move_to
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
     ready = [] if known is None else _fit_known(baseline, known)
     free = _fit_singles(baseline, first, ready)
-    tried = ready + free + _fit_from_body(baseline, free)
+    tried = ready + free + _fit_from_simulation(baseline, free)
     tried += fit_overtones(baseline, rank_acceptable(tried, threshold)[: SEARCH.careful], threshold)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
@@ -275,17 +275,15 @@ def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
     return fit_from(baseline, wanted, baseline.box, race=Race(baseline.fit.cost, lead))
 
 
-def _fit_from_body(baseline: Baseline, free: Sequence[Explanation]) -> list[Explanation]:
-    """Fit the effects that stand out beside inertia and gravity of the simulation, or else of the first estimate where
-    the base is far from it, from there, where none from the free base covers.
+def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> list[Explanation]:
+    """Fit the effects that stand out beside the simulation as given, from there, where none from the free base covers.
 
     The free base bends inertia and gravity into the shape of what is missing, and a fit that starts there may stay:
     a stop at one end has come as another gravity and a ripple.
     """
-    body = baseline.rigid or find_first_body(baseline)
-    if body is None or any(explanation.coverage >= SEARCH.enough for explanation in free):
+    if baseline.rigid is None or any(explanation.coverage >= SEARCH.enough for explanation in free):
         return []
-    box = hold(baseline.box, body)
+    box = hold(baseline.box, baseline.rigid)
     start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
     (given,) = fit_from(baseline, [(baseline.structure, start)], box)
     fit = given.fit

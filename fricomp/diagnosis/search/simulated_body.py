@@ -11,7 +11,6 @@ from ..effects import Context
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.solver import Box
-from .preparation import Baseline
 from .settings import SEARCH
 
 
@@ -26,15 +25,6 @@ def move_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) ->
     result: FloatArray = np.concatenate([body, theta[3:]])
     result[3] += float(np.mean(less[0] * np.cos(position) + less[1] * np.sin(position)))
     return result
-
-
-def find_first_body(baseline: Baseline) -> RigidJoint | None:
-    """Find inertia and gravity of the first estimate, where the base has left it far behind; None elsewhere."""
-    first = baseline.first
-    if first is None or abs(float(np.log(first.inertia)) - float(baseline.fit.theta[0])) < np.log(SEARCH.far_inertia):
-        return None
-    rotary = baseline.problem.tracks[0].rotary
-    return RigidJoint(first.inertia, first.gravity, first.offset, 0.0, 0.0, rotary=rotary)
 
 
 def hold(box: Box, rigid: RigidJoint) -> Box:
