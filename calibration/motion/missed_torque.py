@@ -17,8 +17,6 @@ _HEAVY = 0.5
 """What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""
 _SURE = 4.0
 """Standard deviations that it must have."""
-
-
 _UNKNOWN = 0.5
 """Half of the 95 % interval of a constant torque beside gravity, over it, from which on it may be all gravity."""
 _MATTERS = 0.05
@@ -112,6 +110,15 @@ def describe_gravity(missed: MissedTorque, unit: str) -> str:
     )
 
 
+def deny_gravity(flag: str) -> str:
+    """How a user says that no gravity acts.
+
+    Args:
+        flag: What stands before the name of an argument; empty in Python.
+    """
+    return f"{flag}no-gravity" if flag else "gravity=False"
+
+
 def describe_level_gravity(level: float, unit: str, flag: str) -> str:
     """Say what was made of a constant torque that may be gravity, and what else it may be.
 
@@ -120,11 +127,10 @@ def describe_level_gravity(level: float, unit: str, flag: str) -> str:
         unit: Its unit.
         flag: What stands before the name of an argument, such as `--` on the command line.
     """
-    none = f"{flag}no-gravity" if flag else "gravity=False"
     return (
         f"Over so small an angle a constant torque of {level:.4g} {unit} may be gravity: it is the offset of the rigid "
         f"body, and no part of the friction, which is not told from it where it differs between the directions; move "
-        f"over a wider angle, or say {none} where no gravity acts."
+        f"over a wider angle, or say {deny_gravity(flag)} where no gravity acts."
     )
 
 

@@ -8,6 +8,7 @@ from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_mo
 from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
 from fricomp.calibration.motion.missed_torque import (
     MissedTorque,
+    deny_gravity,
     describe_gravity,
     describe_level_gravity,
     doubt_for_gravity,
@@ -32,8 +33,7 @@ def fit_gravity_where_it_shows(
         flag: What stands before the name of an argument, such as `--` on the command line.
     """
     if missed is not None:
-        leave_out = f"{flag}no-gravity" if flag else "gravity=False"
-        said = f"Gravity is fitted: {describe_gravity(missed, unit)}; {leave_out} leaves it out."
+        said = f"Gravity is fitted: {describe_gravity(missed, unit)}; {deny_gravity(flag)} leaves it out."
         return replace(settings, gravity=True), [said]
     level = find_level_gravity(samples, settings)
     if level == 0.0:

@@ -448,7 +448,9 @@ def test_a_time_is_printed_as_if_the_base_had_its_usual_delay(
         covariance[np.ix_(both, both)] = 1e-6 * np.array([[1.0, sign], [sign, 1.0]])
         numbers = RefittedJoint(structure, Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0), covariance)
         found.append(numbers.list_parameters(name, "N·m", "rad")[parameter])
-        assert numbers.list_base("N·m", "rad", 1.0, np.zeros(N_BASE))["delay"].ci95 == pytest.approx((-9.9e-4, -1e-5))
+        assert numbers.list_base("N·m", "rad", numbers.deviations[:N_BASE])["delay"].ci95 == pytest.approx(
+            (-9.9e-4, -1e-5)
+        )
     assert found[0].value == pytest.approx(found[1].value) == pytest.approx(3e-3 - sign * 5e-4)
     wide = 1.96 * np.hypot(2.5e-4, 0.05 * found[0].value)
     assert found[0].ci95 == pytest.approx((found[0].value - wide, found[0].value + wide))

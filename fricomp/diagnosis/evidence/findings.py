@@ -148,7 +148,7 @@ def collect_findings(case: Case) -> Findings:
     refitted = RefittedJoint.refit(baseline, chosen)
     tolerances = _choose_tolerances(baseline, trial, unknown)
     comparison = compare_given(case, refitted, tolerances)
-    strays = compute_form_strays(baseline, chosen, refitted)
+    deviations = refitted.widen_deviations(tolerances.known, compute_form_strays(baseline, chosen, refitted))
     names = [shift.name for shift in comparison.shifts]
     given = None if unknown or chosen is not None else fit_given(case, names)
     before = given or baseline.fit if chosen is None or chosen.before is None else chosen.before
@@ -165,8 +165,8 @@ def collect_findings(case: Case) -> Findings:
         trial=trial,
         unknown=unknown,
         refitted=refitted,
-        base=refitted.list_base(case.unit, case.position_unit, tolerances.known, strays),
-        late_action=refitted.measure_late_action(tolerances.known, strays),
+        base=refitted.list_base(case.unit, case.position_unit, deviations),
+        late_action=refitted.measure_late_action(deviations),
         held=held,
         noise_ratio=_compute_noise_ratio(baseline, trial, held),
         comparison=comparison,

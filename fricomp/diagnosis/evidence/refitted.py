@@ -110,17 +110,24 @@ class RefittedJoint:
         known = float(np.sqrt(max(float(line @ self.covariance @ line), 0.0)))
         return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
 
-    def measure_late_action(self, known: float, strays: FloatArray) -> Quantity:
+    def widen_deviations(self, known: float, strays: FloatArray) -> FloatArray:
+        """Standard deviations of the base with what the fit does not know of. Shape (N_BASE,).
+
+        Args:
+            known: Factor on those that it does know of.
+            strays: Further ones. Shape (N_BASE,).
+        """
+        return np.hypot(known * self.deviations[:N_BASE], strays)
+
+    def measure_late_action(self, deviations: FloatArray) -> Quantity:
         """How long after its stamp the torque acts [s] in the mean. Where in its sample it begins is often not said.
 
         Args:
-            known: Factor on the deviations that the fit knows of.
-            strays: Further deviations of the base. Shape (N_BASE,).
+            deviations: Of the base. Shape (N_BASE,).
         """
         context = self.structure.contexts[0]
         value = context.acts_late - float(self.fit.theta[_DELAY])
-        unknown = float(np.hypot(strays[_DELAY], context.usual_delay[1]))
-        half = 1.96 * float(np.hypot(known * self.deviations[_DELAY], unknown))
+        half = 1.96 * float(np.hypot(deviations[_DELAY], context.usual_delay[1]))
         return Quantity(value, "s", (max(value - half, 0.0), value + half))
 
     @property
@@ -130,14 +137,13 @@ class RefittedJoint:
         disc = next((one for name, one in values.items() if EFFECTS[name].misreads_position), None)
         return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
-    def list_base(self, torque_unit: str, position_unit: str, known: float, strays: FloatArray) -> dict[str, Quantity]:
+    def list_base(self, torque_unit: str, position_unit: str, deviations: FloatArray) -> dict[str, Quantity]:
         """Parameters of the base, with their intervals.
 
         Args:
             torque_unit: Of the recording.
             position_unit: Of the recording.
-            known: Factor on the deviations that the fit knows of.
-            strays: Further deviations, which it does not know of. Shape (N_BASE,).
+            deviations: Of them, in the solver's coordinates. Shape (N_BASE,).
         """
         units = {
             "inertia": _shorten_unit(f"{torque_unit}·s²/{position_unit}"),
@@ -151,7 +157,7 @@ class RefittedJoint:
             "creep_velocity": f"{position_unit}/s",
             "stribeck_velocity": f"{position_unit}/s",
         }
-        deviation = np.hypot(known * self.deviations[:N_BASE], strays)
+        deviation = deviations.copy()
         split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
         deviation[split] = np.hypot(deviation[split], PARAMETERS.split * self.plant.level)
         theta, result = self.fit.theta[:N_BASE].copy(), {}

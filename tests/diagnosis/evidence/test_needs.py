@@ -93,7 +93,7 @@ def test_a_size_that_hangs_together_with_a_time_is_judged_at_that_time() -> None
 def test_no_interval_of_the_base_holds_friction_that_drives() -> None:
     found = _refitted("load_coulomb", 0.01, coefficient=0.1)
     wide = replace(found, covariance=np.eye(found.fit.theta.size))
-    base = wide.list_base("N·m", "rad", 1.0, np.zeros(N_BASE))
+    base = wide.list_base("N·m", "rad", wide.deviations[:N_BASE])
     assert all(base[f"{side}.{one}"].ci95[0] >= 0.0 for side in ("forward", "reverse") for one in _FRICTION)
     assert base["offset"].ci95[0] < 0.0
 
