@@ -280,7 +280,7 @@ def run_diagnosis(
 
         named = {**options, "names": distinct_names(paths)}
         diagnosis = _diagnose(read, series, named, given, say)
-        warnings = diagnosis_warnings(read, diagnosis.record)
+        warnings = diagnosis_warnings(read, diagnosis)
         say("writing the report")
         facts = _facts(paths, series, options, given) | {"time taken": f"{perf_counter() - start:.1f} s"}
         facts |= {f"check of the data {number}": text for number, text in enumerate(warnings, 1)}

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from fricomp.cli.diagnose import EXIT_BAD_DATA
 from fricomp.cli.diagnosis.warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
-from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
+from fricomp.diagnosis import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, Quantity, diagnosis_json_schema
 from fricomp.diagnosis.inputs import given
 from fricomp.diagnosis.inputs.checks import Usable
 from fricomp.diagnosis.record.result import Change
@@ -281,7 +281,7 @@ def test_one_factor_on_inertia_and_gravity_is_said_to_look_like_a_gear(
     record: DiagnosisRecord, metadata: dict[str, object], says: str, tmp_path: Path
 ) -> None:
     path = _save(tmp_path, _columns(), **metadata)
-    said = " ".join(diagnosis_warnings({path: read_recording(path)}, record))
+    said = " ".join(diagnosis_warnings({path: read_recording(path)}, Diagnosis(record)))
     assert says in said
     assert bool(said) == bool(says)
 

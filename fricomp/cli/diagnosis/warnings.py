@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fricomp.diagnosis import DiagnosisRecord
+    from fricomp.diagnosis import Diagnosis, DiagnosisRecord
     from fricomp.recording import Recording
 
 _TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
@@ -28,20 +28,23 @@ def distinct_names(paths: Sequence[Path]) -> list[str]:
     return names
 
 
-def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) -> tuple[str, ...]:
+def diagnosis_warnings(read: Mapping[Path, Recording], diagnosis: Diagnosis) -> tuple[str, ...]:
     """What the checks of the data warn of and the answer does not say itself, in sentences.
 
     Args:
-        read: Every recording, by its file.
-        record: The answer.
+        read: Every recording, by its file; those that were diagnosed come first.
+        diagnosis: The answer, with what it used of them.
     """
     from fricomp.recording import check_recording
     from fricomp.recording.parts.parts import find_usable_parts
 
+    record = diagnosis.record
     said, found = " ".join(record.sentences), []
-    for name, recording in zip(distinct_names(list(read)), read.values(), strict=True):
+    used = list(diagnosis.data)
+    used += [find_usable_parts(one) for one in list(read.values())[len(used) :]]
+    for name, usable in zip(distinct_names(list(read)), used, strict=True):
         where = f"{name}: " if len(read) > 1 else ""
-        for finding in check_recording(find_usable_parts(recording).kept):
+        for finding in check_recording(usable.kept):
             told = finding.code in _TOLD or finding.message in said
             told = told or (finding.code == "spike" and finding.column in _ANSWERED)
             if finding.severity != "note" and not told:
