@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -79,8 +79,7 @@ class EffectParameter:
 
     def touches_end(self, value: float) -> bool:
         """Whether a value stands where its domain or the search of it ends, in the solver's coordinates."""
-        bounded = max(-self.lower, self.upper) < EFFECT.unbounded
-        margin = EFFECT.at_bound * (self.upper - self.lower if bounded else max(abs(value), self.scale))
+        margin = EFFECT.at_bound * min(self.upper - self.lower, max(abs(value), self.scale))
         return not self.lower + margin < value < self.upper - margin
 
     def compute_form_deviation(self, value: float) -> float:
@@ -88,6 +87,19 @@ class EffectParameter:
         usual = EFFECT.usual_form if self.linear or self.logarithmic else 0.0
         relative = usual if self.form is None else self.form
         return float(np.hypot(relative * (1.0 if self.logarithmic else abs(value)), self.least_form))
+
+
+class PrintedForm(NamedTuple):
+    """One of the forms of an effect that has several, as an answer prints it.
+
+    Attributes:
+        equation: Its law.
+        numbers: Factor from each fitted number that stands in it to the printed one, and the unit of that, with
+            `{torque}` and `{position}`. Other numbers are not printed.
+    """
+
+    equation: str
+    numbers: Mapping[str, tuple[float, str]]
 
 
 class Effect(ABC):
@@ -185,6 +197,10 @@ class Effect(ABC):
         """Build the effect as terms, of which a ripple with overtones has several."""
         term = self.build_term(values, plant, contexts)
         return () if term is None else (term,)
+
+    def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm | None:
+        """The form that these values are of; None for an effect that has one only, printed with all its numbers."""
+        return None
 
     def is_in_law(self, law: FrictionLaw) -> bool:
         """Whether the law of an extended model says all of the effect: as a term of its name, if nothing else."""

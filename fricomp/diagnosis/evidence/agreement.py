@@ -11,7 +11,7 @@ import numpy as np
 from ..effects import EFFECTS, Context
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.rigid import RigidJoint
-from ..search.explanation import Explanation
+from ..search.explanation import Explanation, compute_evidence
 from ..search.preparation import Baseline
 from ..search.refit import compute_preference, fit_from, polish
 from ..search.search import SearchResult
@@ -48,13 +48,17 @@ def prefer_agreeing(
     if best is None:
         return found
     if differs(best, AGREES) or _is_improbable(best):
-        least = best.gain - max(ALIASES.close, AGREEMENT.hides * best.left, found.explainable_null)
-        options = [one for one in list_alternatives(found) if one.gain > least]
+        most = max(ALIASES.close, AGREEMENT.hides * best.left, found.explainable_null)
+
+        def fits(one: Explanation) -> bool:
+            return not one.refused and _measure_lack(baseline, one, best) < most
+
+        options = [one for one in list_alternatives(found) if fits(one)]
         if rigid is not None and rigid.rotary:
             held = _fit_held(baseline, _list_near(found, best), rigid)
-            agrees = any(_fits_enough(one, least) and not differs(one, AGREES) for one in held)
+            agrees = any(fits(one) and not differs(one, AGREES) for one in held)
             held = _finish(baseline, held, best, 1 if agrees else AGREEMENT.most_near)
-            options += [one for one in held if _fits_enough(one, least)]
+            options += [one for one in held if fits(one)]
         kept = _keep_agreeing(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
             return found
@@ -70,8 +74,10 @@ def _is_improbable(one: Explanation) -> bool:
     return float((away.T @ one.box.precision[:3, :3] @ away).item()) > AGREEMENT.improbable
 
 
-def _fits_enough(one: Explanation, least: float) -> bool:
-    return one.gain > least and not one.refused
+def _measure_lack(baseline: Baseline, one: Explanation, best: Explanation) -> float:
+    """Evidence that the best explanation has over another one; about rest both hang on the law of the bristle."""
+    further_numbers = (best.gain + best.fit.cost) - (one.gain + one.fit.cost)  # what they cost in the gain
+    return compute_evidence(baseline, {*one.names, *best.names}, one.fit, best.fit) + further_numbers
 
 
 def _finish(baseline: Baseline, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:

@@ -77,7 +77,8 @@ def _name_chosen(findings: Findings, one: EffectEvidence, same: Shift | None, ex
     drawn = [e for e in findings.effects if e.overtone_of is not None and e.overtone_of.name == effect.name]
     tones = [e.overtone_of.order for e in drawn if e.overtone_of is not None]
     says = effect.says + "".join(f"; its form shows at the order {order:.4g} too" for order in tones)
-    words = SpringWords(effect.kind, one.parameters, says, effect.equation)
+    equation, numbers = _print_form(findings, one)
+    words = SpringWords(effect.kind, numbers, says, equation)
     if effect.name == SPRING:
         words = describe_spring(words, findings.case.spring)
     energy = one.energy + sum(each.energy for each in drawn)
@@ -92,6 +93,23 @@ def _name_chosen(findings: Findings, one: EffectEvidence, same: Shift | None, ex
         sentence=words.sentence if same is None else f"{words.sentence}; {same.sentence}",
         citation=effect.citation,
     )
+
+
+def _print_form(findings: Findings, one: EffectEvidence) -> tuple[str, dict[str, Quantity]]:
+    """The equation of an effect in the form that was found, and the numbers that stand in it."""
+    values = {name: quantity.value for name, quantity in one.parameters.items()}
+    chosen, unit, position = findings.chosen, findings.case.unit, findings.case.position_unit
+    form = None if chosen is None else one.effect.choose_form(values, chosen.structure.contexts)
+    if form is None:
+        return one.effect.equation, one.parameters
+    numbers = {}
+    for name, (factor, of) in form.numbers.items():
+        if name in one.parameters:
+            fitted = one.parameters[name]
+            low, high = fitted.ci95
+            printed = of.replace("{torque}", unit).replace("{position}", position)
+            numbers[name] = Quantity(factor * fitted.value, printed, (factor * low, factor * high), fitted.at_bound)
+    return form.equation, numbers
 
 
 def _name_shift(findings: Findings, shift: Shift, share: float, location: Location) -> NamedEffect:

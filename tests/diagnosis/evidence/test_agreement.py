@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from fricomp.diagnosis.evidence import agreement, findings
 from fricomp.diagnosis.evidence.agreement import prefer_agreeing
@@ -24,7 +26,15 @@ from fricomp.diagnosis.search.simulated_body import hold
 from ..known import known, known_baseline, known_search
 
 _BASE = known_baseline()
-_LOAD, _SPLIT = known(("load_coulomb",), 1000.0), known(("load_quadratic",), 990.0)
+
+
+def _leave(names: Sequence[str], gain: float, rows: NDArray[np.bool_] | None = None, **more: Any) -> Explanation:
+    """An explanation that leaves less the more it gains: evenly in these rows, or in all of them."""
+    at = np.ones(_BASE.fit.residual.size, dtype=bool) if rows is None else rows
+    return known(names, gain, np.sqrt((2000.0 - gain) / np.sum(at)) * at, **more)
+
+
+_LOAD, _SPLIT = _leave(["load_coulomb"], 1000.0), _leave(["load_quadratic"], 990.0)
 
 
 def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
@@ -46,9 +56,9 @@ def test_one_that_agrees_as_nearly_as_a_law_can_comes_before_one_that_does_not()
     [
         (_SPLIT, {"load_coulomb", "load_quadratic"}),  # both move the simulation
         (_SPLIT, set()),  # neither does
-        (known(("load_quadratic",), 900.0), {"load_coulomb"}),  # fits worse
-        (known(("load_quadratic",), 990.0, refused="static friction would fall"), {"load_coulomb"}),
-        (known(("load_quadratic", "cogging"), 999.0), {"load_coulomb"}),  # has more effects
+        (_leave(["load_quadratic"], 900.0), {"load_coulomb"}),  # fits worse
+        (_leave(["load_quadratic"], 990.0, refused="static friction would fall"), {"load_coulomb"}),
+        (_leave(["load_quadratic", "cogging"], 999.0), {"load_coulomb"}),  # has more effects
     ],
 )
 def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> None:
@@ -56,12 +66,23 @@ def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> Non
     assert found.best is _LOAD
 
 
+@pytest.mark.parametrize(("effect", "taken"), [("load_quadratic", True), ("load_stribeck", False)])
+def test_what_fits_worse_about_rest_alone_fits_as_well_unless_its_effect_shows_there(effect: str, taken: bool) -> None:
+    """A friction that jumps when the joint turns leaves more there than one that does not, as the bristle has it."""
+    rest = ~_BASE.sliding
+    assert 0 < np.sum(rest) < rest.size
+    best = known(["load_coulomb"], 1e4, np.ones(rest.size))
+    worse = known([effect], best.gain - 0.4 * float(np.sum(rest)), np.sqrt(1.0 + 0.4 * rest))
+    found = prefer_agreeing(_BASE, known_search(best, worse), None, lambda one, _: one is best)
+    assert (found.best is worse) == taken
+
+
 _JOINT = RigidJoint(2.0, (3.0, 4.0), 0.0, 0.0, 0.0, True)
 
 
 def test_what_is_held_at_the_simulation_is_weighed_at_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
     """A narrow valley ends far from where a fit from other parameters has come to."""
-    short, other = known(("load_quadratic",), 10.0), known(("load_quadratic",), -5.0)
+    short, other = _leave(["load_quadratic"], 10.0), _leave(["load_quadratic"], -5.0)
     monkeypatch.setattr(agreement, "_fit_held", lambda *_: [other, short])
     monkeypatch.setattr(agreement, "polish", lambda _, some, **__: [_SPLIT if one is short else one for one in some])
     assert prefer_agreeing(_BASE, known_search(_LOAD), _JOINT, lambda one, _: one is _LOAD).best is _SPLIT
@@ -70,9 +91,9 @@ def test_what_is_held_at_the_simulation_is_weighed_at_its_minimum(monkeypatch: p
 @pytest.mark.parametrize(
     ("straight", "left"),
     [
-        (known(("load_quadratic",), 995.0), ("load_quadratic",)),  # fits with the simulation's parameters as well
-        (known(("load_quadratic",), 900.0), ()),
-        (known(("load_quadratic",), 995.0, refused="friction would fall"), ()),
+        (_leave(["load_quadratic"], 995.0), ("load_quadratic",)),  # fits with the simulation's parameters as well
+        (_leave(["load_quadratic"], 900.0), ()),
+        (_leave(["load_quadratic"], 995.0, refused="friction would fall"), ()),
     ],
 )
 def test_a_rival_is_one_only_if_it_fits_the_simulation(

@@ -35,7 +35,7 @@ class TorqueRipple(Effect):
         return [{"order": n} for n in contexts[0].hints.get("torque_order", ()) if n >= lowest]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(additive=compute_wave(values, context.position) * context.torque)
+        return Contribution(additive=compute_wave(values, context.position) * context.recorded)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return refuse_long_wave(values["order"], contexts)

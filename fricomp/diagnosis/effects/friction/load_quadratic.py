@@ -11,7 +11,7 @@ from fricomp.laws import LoadQuadratic as LoadQuadraticTerm
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
-from ..effect import Effect, EffectParameter, Values, register
+from ..effect import Effect, EffectParameter, PrintedForm, Values, register
 from ..settings import EFFECT
 from .load_share import SHARE, compute_felt_load, propose_shares
 
@@ -47,6 +47,13 @@ class LoadQuadratic(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         # Between driving and braking friction may differ either way.
         return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
+
+    def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm:
+        curved, share = values["split"] < 0.5, {"inertia_share": (1.0, "1")}
+        if curved:
+            return PrintedForm("tau_f = c_q tau_l^2 sgn(v)", {"coefficient": (1.0, "1/{torque}"), **share})
+        driving = contexts[0].usual_load, "{torque}/{torque}"
+        return PrintedForm("tau_f = c_d |tau_l| [tau_l v > 0] sgn(v)", {"coefficient": driving, **share})
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         if values["split"] < 0.5:
