@@ -18,11 +18,8 @@ from ..search.preparation import Baseline
 from .settings import PARAMETERS
 
 _BODY = ("log_inertia", "gravity_cos", "gravity_sin")
-_RIGID = {
-    "inertia_error": ("log_inertia",),
-    "payload_error": _BODY,
-    "torque_gain_error": _BODY,
-}
+_LIFTED = ("log_inertia", "offset")  # of a linear axis, whose weight is a constant force
+_WEIGHING = ("payload_error", "torque_gain_error")
 _UNEVEN = ("torque_offset", "direction_asymmetry")
 
 
@@ -55,8 +52,10 @@ def fit_as_given(
 def _list_rigid_values(names: Collection[str], rigid: RigidJoint | None) -> dict[str, float]:
     if rigid is None:
         return {}
-    given = dict(zip(BASE_NAMES, (float(np.log(rigid.inertia)), *rigid.gravity), strict=False))
-    return {slot: given[slot] for name in names for slot in _RIGID.get(name, ())}
+    given = dict(zip(BASE_NAMES, (float(np.log(rigid.inertia)), *rigid.gravity, rigid.offset), strict=False))
+    whole = _BODY if rigid.rotary else _LIFTED
+    slots = {"inertia_error": ("log_inertia",), **dict.fromkeys(_WEIGHING, whole)}
+    return {slot: given[slot] for name in names for slot in slots.get(name, ())}
 
 
 def _list_uneven_values(

@@ -87,20 +87,20 @@ def compare_given(case: Case, refitted: RefittedJoint, tolerances: Tolerances) -
     """
     cov, plant = tolerances.known**2 * refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
     result, given = Comparison(), case.rigid
-    rigid = given if given is not None and given.rotary else None
+    turning = given if given is not None and given.rotary else None
     read = given is not None and given.covariance is not None  # from a recording of the simulation, friction and all
     if given is not None and given.covariance is not None:
         cov = cov + given.covariance
     acceleration = compute_rms(np.concatenate([c.acceleration for c in refitted.structure.contexts]))
-    if rigid is not None:
-        result = compare_rigid(plant, cov[:3, :3], rigid, case.unit, tolerances, acceleration)
+    if given is not None:
+        result = compare_rigid(plant, cov[:4, :4], given, case.unit, tolerances, acceleration)
     if given is not None and (read or case.friction is None):
         units = (case.unit, case.position_unit)
         result = replace(result, changes=result.changes + list_friction_changes(plant, cov, given, units, tolerances))
     stated = case.stated_friction
     if stated is None:
         return result
-    held, offset = None if result.shifts else rigid, 0.0 if given is None else given.offset
+    held, offset = None if result.shifts else turning, 0.0 if given is None else given.offset
     beside = GivenFriction(stated, offset, held, exact=case.friction is not None)
     more = compare_friction(plant, cov, beside, case.unit, tolerances, acceleration)
     return Comparison(result.shifts + more.shifts, result.changes + more.changes)

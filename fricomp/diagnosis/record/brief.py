@@ -87,8 +87,10 @@ def _list_other_changes(record: DiagnosisRecord) -> str:
     told = (
         f"{one.name.replace('_', ' ')} {one.refitted.value:.3g} {one.refitted.unit}, not {one.given:.3g}"
         for one in moved
+        if not one.refitted.ci95[0] <= one.given <= one.refitted.ci95[1]
     )
-    return f"Off in the simulation as well: {'; '.join(told)}." if moved else ""
+    listed = "; ".join(told)
+    return f"Off in the simulation: {listed}." if listed else ""
 
 
 def _doubt(facts: Sequence[str]) -> str:

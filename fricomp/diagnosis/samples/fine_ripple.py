@@ -112,7 +112,7 @@ def _choose_samples(recording: Recording, seed: int) -> tuple[dict[str, FloatArr
         for window in RIPPLE.windows
         if len(recording) > RIPPLE.shortest * window
     ]
-    options = [option for option in options if option["time"].size > RIPPLE.fewest]
+    options = [one for one in options if one["time"].size > RIPPLE.fewest and np.ptp(one["position"]) > 0.0]
     if not options:
         return None
     bases = [_build_base(option, recording.metadata.continuous) for option in options]

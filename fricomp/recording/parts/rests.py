@@ -9,7 +9,7 @@ from fricomp.recording.recording import Recording
 _LONGEST = 15.0
 """Rest that is kept whole [s]; breakaway after some seconds of dwell is friction too."""
 _KEPT = 2.0
-"""Of a long rest, what is kept before the motion and after it [s]."""
+"""Of a long rest, what is kept after one motion and before the next [s]."""
 _STILL = 2e-4
 """Part of the travel within which a joint rests."""
 _MOST = 0.95
@@ -40,5 +40,7 @@ def find_rests(recording: Recording) -> NDArray[np.bool_]:
     inside = np.zeros(len(recording), dtype=bool)
     for a, b in locate_rests(recording):
         if time[b - 1] - time[a] > _LONGEST:
-            inside |= (time > time[a] + _KEPT) & (time < time[b - 1] - _KEPT)
+            # Where the recording begins or ends at rest there is no motion on that side.
+            after, before = _KEPT if a > 0 else -1.0, _KEPT if b < time.size else -1.0
+            inside |= (time > time[a] + after) & (time < time[b - 1] - before)
     return inside if inside.mean() <= _MOST else np.zeros(len(recording), dtype=bool)

@@ -21,7 +21,7 @@ from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
-_SURE = np.diag([1e-4, 1e-3, 1e-3]) ** 2
+_SURE = np.diag([1e-4, 1e-3, 1e-3, 1e-3]) ** 2
 _GRAVITY_FOR_OFFSET = np.eye(12)[3] - np.eye(12)[1]
 _BRISK, _GENTLE = 10.0, 0.25  # RMS accelerations [rad/s²]
 
@@ -71,6 +71,40 @@ def test_a_common_factor_that_the_inertia_is_not_seen_to_follow_is_a_payload() -
     (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).shifts
     assert effect.name == "payload_error"
     assert effect.alike == ("torque_gain_error",)
+
+
+_CARRIAGE = replace(_PLANT, inertia=24.0, gravity=(0.0, 0.0), offset=120.0)
+
+
+def test_the_mass_of_a_level_axis_is_compared_alone() -> None:
+    """Nothing of it stands still, and a gain would be another mass, too."""
+    given = RigidJoint(20.0, (0.0, 0.0), 0.0, 0.0, 0.0, False)
+    found = compare_rigid(_CARRIAGE, _SURE, given, "N", PLAIN, _BRISK)
+    (effect,), (change,) = found.shifts, found.changes
+    assert (effect.name, effect.sentence) == ("inertia_error", "the mass is 24 kg, not 20")
+    assert effect.parameters["inertia_change"].value == pytest.approx(4.0, rel=0.02)
+    assert (change.name, change.given, change.refitted.value, change.refitted.unit) == ("inertia", 20.0, 24.0, "kg")
+    assert not compare_rigid(_CARRIAGE, _SURE, replace(given, inertia=24.0), "N", PLAIN, _BRISK).shifts
+
+
+@pytest.mark.parametrize(
+    ("mass", "weight", "name"),
+    [(20.0, 120.0, "inertia_error"), (22.0, 100.0, "payload_error"), (24.0 / 1.05, 120.0 / 1.05, "torque_gain_error")],
+)
+def test_what_an_axis_lifts_is_compared_with_its_mass(mass: float, weight: float, name: str) -> None:
+    given = RigidJoint(mass, (0.0, 0.0), weight, 0.0, 0.0, False)
+    (effect,) = compare_rigid(_CARRIAGE, _SURE, given, "N", PLAIN, _BRISK).shifts
+    assert effect.name == name
+    if name == "payload_error":
+        assert effect.parameters["weight_change"].value == pytest.approx(20.0, rel=0.02)
+
+
+def test_a_mass_that_alone_is_seen_to_be_off_is_no_gain() -> None:
+    """The weight is known so badly that it may or may not follow."""
+    given, loose = RigidJoint(24.0 / 1.05, (0.0, 0.0), 120.0 / 1.05, 0.0, 0.0, False), _SURE.copy()
+    loose[3, 3] = 100.0
+    (effect,) = compare_rigid(_CARRIAGE, loose, given, "N", PLAIN, _BRISK).shifts
+    assert effect.name in ("inertia_error", "payload_error")
 
 
 def test_an_inertia_is_known_the_better_the_more_there_is_to_accelerate() -> None:

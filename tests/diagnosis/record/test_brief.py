@@ -60,7 +60,7 @@ def test_names_place_and_what_to_do_are_the_first_three_sentences() -> None:
     assert rest == [
         "cogging: a ripple [A sin(n q)].",
         "load_coulomb: friction grows with the load. This recording cannot tell it from load_quadratic.",
-        "Off in the simulation as well: inertia 0.42 kg·m², not 0.3.",
+        "Off in the simulation: inertia 0.42 kg·m², not 0.3.",
     ]
 
 

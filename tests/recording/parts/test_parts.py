@@ -69,6 +69,17 @@ def test_a_long_rest_is_left_out_and_two_seconds_beside_the_motion_stay(rest: fl
     assert rest - 6.0 < sum(one.duration for one in usable.left_out) < rest
 
 
+@pytest.mark.parametrize("at_start", [True, False])
+def test_of_a_rest_at_an_end_only_what_is_beside_the_motion_stays(at_start: bool) -> None:
+    """Else the other end of it would be a part that never moves."""
+    log, n = joint_log(20.0, 250.0, 7), 5000
+    held = np.full(n, log.position[0 if at_start else -1])
+    still = Recording(np.arange(n) / 250.0, held, np.zeros(n), velocity=np.zeros(n), metadata=log.metadata)
+    (only,) = find_usable_parts(concatenate([still, log] if at_start else [log, still], gap=1 / 250.0)).parts
+    assert len(log) + 1.9 * 250 < len(only) < len(log) + 2.1 * 250
+    assert np.ptp(only.position) == np.ptp(log.position)
+
+
 @pytest.mark.parametrize("share", [0.01, 0.05, 0.2])
 def test_rows_of_another_publisher_are_left_out_wherever_the_joint_is(share: float) -> None:
     log = joint_log(20.0, 500.0, 6)
