@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_motion_filter
 from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
 from fricomp.calibration.motion.missed_torque import (
@@ -18,6 +20,7 @@ from fricomp.calibration.motion.missed_torque import (
 )
 from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.motion.unexplained import doubt_for_unexplained
+from fricomp.evaluation import find_friction_change
 
 
 def fit_gravity_where_it_shows(
@@ -66,3 +69,11 @@ def doubt_for_all(
     if cutoff is not None:
         motion = doubt_for_filter(motion, cutoff)
     return doubt_for_unexplained(motion, samples.recorded)
+
+
+def tell_friction_change(motion: MotionIdentification) -> list[str]:
+    """What to know of friction that is another one at the end of the recording than at its beginning."""
+    velocity, torque = motion.points.T
+    left = torque - np.asarray(motion.friction.model.torque(velocity), dtype=np.float64)
+    change = find_friction_change(np.arange(torque.size, dtype=np.float64), left, torque, velocity)
+    return [] if change is None else [f"Careful: {change.describe(motion.friction.model.torque_unit)}."]

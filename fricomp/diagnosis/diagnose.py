@@ -198,11 +198,11 @@ def _run_stages(
         remarks = (*given.remarks, *describe_repetitions(verdict, others))
         verdict = join_channels(verdict, read_channels(given.recordings))
         if verdict.sample is not None:
-            return write_diagnosis(findings, verdict, remarks=remarks)
+            return write_diagnosis(findings, verdict, remarks=remarks, whole=given.whole)
         proposal = propose_experiment(findings)
         _report(progress, "simulating forward in MuJoCo")
         forward = _simulate_forward(given, findings)
-        return write_diagnosis(findings, verdict, proposal, forward, remarks)
+        return write_diagnosis(findings, verdict, proposal, forward, remarks, given.whole)
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
@@ -326,7 +326,7 @@ def _report(progress: Progress | None, words: str) -> None:
 def _build_tracks(given: Given, acts_late: float = 0.0) -> list[Track]:
     """The recordings on one grid, by their names, without the torque of a spring that the simulation has."""
     spring = None if given.rigid is None else given.rigid.spring
-    tracks = build_tracks(given.recordings, given.loops, spring, acts_late)
+    tracks = build_tracks(given.recordings, given.loops, spring, acts_late, given.pasts)
     return [replace(track, name=name) for track, name in zip(tracks, given.names, strict=True)]
 
 

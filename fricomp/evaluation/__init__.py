@@ -11,6 +11,7 @@
 from .arm import ArmEvaluation, JointErrors, evaluate_arm
 from .evaluated import EquationJoint, EvaluatedJoint
 from .evaluator import evaluate, evaluate_joint
+from .friction_change import FrictionChange, find_friction_change
 from .held_out import compute_missing_torque, evaluate_folds, measure_torque_error
 from .mjcf_fit import MjcfFit, fit_mjcf
 from .motion import RecordedMotion, join_motions, read_motion
@@ -24,6 +25,7 @@ __all__ = [
     "EquationJoint",
     "EvaluatedJoint",
     "Evaluation",
+    "FrictionChange",
     "JointErrors",
     "MjcfFit",
     "PositionError",
@@ -36,6 +38,7 @@ __all__ = [
     "evaluate_arm",
     "evaluate_folds",
     "evaluate_joint",
+    "find_friction_change",
     "fit_mjcf",
     "join_motions",
     "measure_torque_error",

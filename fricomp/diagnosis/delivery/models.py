@@ -29,6 +29,7 @@ from fricomp.recording import Recording
 from ..record.file_errors import FileErrors, ModelErrors
 from ..record.result import FileSeries
 from .settings import DELIVERY
+from .whole import look_over_whole
 
 _GRAVITY = ("gravity_cosine", "gravity_sine")
 _GIVEN = ("inertia", *_GRAVITY)
@@ -47,6 +48,7 @@ class Delivery:
         folds: The models that the held-out errors are of: base, and extended where there is one, one a fold.
         times: Of each fold [s].
         motion: The recordings as the errors were measured on them.
+        remarks: What the written model leaves of recordings that were searched in part, in sentences.
     """
 
     base: FrictionModel
@@ -56,6 +58,7 @@ class Delivery:
     folds: tuple[tuple[FrictionModel, ...], ...] = ()
     times: tuple[tuple[tuple[float, float], ...], ...] = ()
     motion: RecordedMotion | None = None
+    remarks: tuple[str, ...] = ()
 
 
 def deliver_models(
@@ -66,6 +69,7 @@ def deliver_models(
     *,
     names: Sequence[str] = (),
     given: JointDynamics | None = None,
+    whole: Sequence[Recording] = (),
 ) -> Delivery:
     """Fit the models once more, and measure what they are worth.
 
@@ -75,6 +79,7 @@ def deliver_models(
         extended: With what was named; None where no law holds it.
         missing: What was named and is in no law.
         names: Of the recordings.
+        whole: All that is usable, where the recordings are stretches of longer ones.
         given: Inertia and gravity of a simulation that were found to be off: the error before is then that with them,
             and friction refitted; None where they were not.
     """
@@ -86,13 +91,15 @@ def deliver_models(
         if given is not None and extended is None:
             models.insert(0, _settle(replace(base, dynamics=given), motion, _GIVEN))
         held = [evaluate_folds(name, one.folds, motion) for name, one in zip((_BASE, _NAMED), models, strict=False)]
-        whole = measure_torque_error(models[-1].model, motion)
+        every = join_motions([read_motion(one, band=band) for one in whole]) if whole else motion
+        error = measure_torque_error(models[-1].model, every)
+        remarks = _look(models[-1].model, whole, recordings, band, missing)
     except (RecordingError, ParameterError, np.linalg.LinAlgError):
         return Delivery(base, extended)
     errors = FileErrors(
         before=_take_errors(held[0]),
         after=_take_errors(held[1]) if len(held) > 1 else None,
-        file=ModelErrors(torque=whole),
+        file=ModelErrors(torque=error),
         folds=len(models[0].folds),
         missing=tuple(missing),
     )
@@ -107,7 +114,14 @@ def deliver_models(
         tuple(one.folds for one in models),
         split_folds(motion),
         motion,
+        tuple(remarks),
     )
+
+
+def _look(
+    model: FrictionModel, whole: Sequence[Recording], searched: Sequence[Recording], band: float, missing: Sequence[str]
+) -> list[str]:
+    return look_over_whole(model, whole, searched, band, complete=not missing) if whole else []
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from scipy.signal import savgol_filter
 
 from fricomp.root_mean_square import compute_rms
 
+from ..inputs.past import Past
 from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Observation, Observer, Plant
 from ..joint.problem import Problem
@@ -42,6 +43,7 @@ class Context:
         noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
         index: Which of the tracks this is, counted from 0.
         source: Which of the recordings it is a part of, counted from 0.
+        past: How the joint was driven over all of that recording; None where this is all of it.
         hints: Starting values found in the residual, such as the orders over position that stand out.
         usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
         delays: Earliest and latest that a torque without any flaw comes [s].
@@ -67,6 +69,7 @@ class Context:
     noise: float = 0.0
     index: int = 0
     source: int = 0
+    past: Past | None = None
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
     delays: tuple[float, float] = (-5e-4, 5e-4)
@@ -110,6 +113,7 @@ def build_contexts(
             _build_context(track, plant, one, hints),
             index=i,
             source=track.source,
+            past=track.past,
             usual_temperature=usual,
             row_width=problem.observer.row_width,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +11,10 @@ import numpy as np
 from fricomp.recording import Finding, Recording, check_recording, resample
 from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING
 from fricomp.recording.checks.timing_checks import find_gap_length
-from fricomp.recording.parts.parts import UsableParts, find_usable_parts
+from fricomp.recording.parts.parts import LeftOut, UsableParts, find_usable_parts
 
+from .past import Past
+from .stretches import Stretch, choose_stretches
 from .track import FloatArray
 
 PART_OF = "part_of"
@@ -24,22 +27,28 @@ _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; th
 _ONE_RATE = 1.5  # quotient of two sample rates up to which they share one grid
 _LONGEST_BRIDGE = 0.03  # [s] shorter than a row of the residual
 _MOST_BRIDGED = 0.01  # of the time
+_NOT_SEARCHED = "of which stretches from all of its time were searched, and the answer was held against the rest"
 
 
 class Usable(NamedTuple):
     """Recordings that can be diagnosed.
 
     Attributes:
-        recordings: Usable parts, in order; each names the recording that it is of under `PART_OF` of its metadata.
+        recordings: Usable parts, in order; each names the recording that it is of under `PART_OF` of its metadata. Of
+            recordings that are longer than what is searched, stretches of them.
         remarks: What was left out and why, in sentences.
         reasons: Why nothing can be diagnosed; empty where something can.
         data: What is usable of each recording, for the report.
+        pasts: How the joint was driven over what each is a stretch of; None where it is all of it.
+        whole: All usable parts, where some of them are not searched; else empty.
     """
 
     recordings: list[Recording]
     remarks: list[str]
     reasons: list[str]
     data: tuple[UsableParts, ...] = ()
+    pasts: tuple[Past | None, ...] = ()
+    whole: tuple[Recording, ...] = ()
 
 
 def take_usable(recordings: Sequence[Recording], joint: str | None) -> Usable:
@@ -50,24 +59,47 @@ def take_usable(recordings: Sequence[Recording], joint: str | None) -> Usable:
         joint: Its name; None for any.
     """
     kept: list[Recording] = []
-    remarks: list[str] = []
     faults: list[str] = []
     data: list[UsableParts] = []
     for number, recording in enumerate(recordings):
-        prefix = f"recording {number + 1}: " if len(recordings) > 1 else ""
         usable = find_usable_parts(recording)
         data.append(usable)
         against = _reasons_against_one(usable.kept, joint)
-        faults += [prefix + reason for reason in against]
+        faults += [_name_one(recordings, number) + reason for reason in against]
         if not against:
             parts = _longest_parts(usable.parts)
             kept += [one.with_metadata(extra={**one.metadata.extra, PART_OF: number}) for one in parts]
-            remarks += [prefix + sentence for sentence in usable.sentences]
     if not kept:
         return Usable([], [], faults, tuple(data))
-    remarks += [f"Left out: {fault}." for fault in faults]
     kept, told = _at_one_rate(kept)
-    return Usable(kept, [*remarks, *told], [], tuple(data))
+    used = list(dict.fromkeys(one.metadata.extra[PART_OF] for one in kept))
+    sources = [[one for one in kept if one.metadata.extra[PART_OF] == number] for number in used]
+    stretches = choose_stretches(sources)
+    for number, parts, few in zip(used, sources, stretches, strict=True):
+        data[number] = _leave_rest(data[number], parts, few)
+    remarks = [_name_one(recordings, number) + one for number in used for one in data[number].sentences]
+    searched = [one for few in stretches for one in few]
+    return Usable(
+        [one.recording for one in searched],
+        [*remarks, *(f"Left out: {fault}." for fault in faults), *told],
+        [],
+        tuple(data),
+        tuple(one.past for one in searched),
+        tuple(kept) if sum(len(one.recording) for one in searched) < sum(map(len, kept)) else (),
+    )
+
+
+def _name_one(recordings: Sequence[Recording], number: int) -> str:
+    return f"recording {number + 1}: " if len(recordings) > 1 else ""
+
+
+def _leave_rest(usable: UsableParts, parts: Sequence[Recording], stretches: Sequence[Stretch]) -> UsableParts:
+    """What is usable, less what is not searched."""
+    rows = sum(map(len, parts)) - sum(len(one.recording) for one in stretches)
+    if not rows:
+        return usable
+    rest = LeftOut("rows of a long recording, " + _NOT_SEARCHED, rows, rows * parts[0].sample_period)
+    return replace(usable, parts=tuple(one.recording for one in stretches), left_out=(*usable.left_out, rest))
 
 
 def name_parts(parts: Sequence[Recording], names: Sequence[str]) -> tuple[str, ...]:

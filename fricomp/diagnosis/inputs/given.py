@@ -14,6 +14,7 @@ from fricomp.recording.parts.parts import UsableParts
 from .checks import kind_against, name_parts, remarks_on, take_usable
 from .controller import Controller, estimate_controller
 from .controller_check import check_controller
+from .past import Past
 from .rigid import RigidJoint, read_simulation
 
 
@@ -30,6 +31,8 @@ class Given:
         remarks: What the checks noticed and dealt with, in sentences.
         reasons: Why these data cannot be diagnosed, in sentences; empty where they can.
         data: What is usable of each recording that was given.
+        pasts: How the joint was driven over what each is a stretch of; None where it is all of it.
+        whole: All that is usable, of recordings that are longer than what is searched; empty where all is searched.
     """
 
     recordings: tuple[Recording, ...]
@@ -40,6 +43,8 @@ class Given:
     remarks: tuple[str, ...] = ()
     reasons: tuple[str, ...] = ()
     data: tuple[UsableParts, ...] = ()
+    pasts: tuple[Past | None, ...] = ()
+    whole: tuple[Recording, ...] = ()
 
 
 def read_given(
@@ -77,8 +82,9 @@ def read_given(
     reasons = [*usable.reasons, *(kind_against(recordings, rigid.rotary) if rigid else ())]
     if reasons:
         return Given(tuple(recordings), called, reasons=tuple(reasons), data=usable.data)
+    whole = usable.whole or tuple(usable.recordings)
+    remarks = [*remarks_on(whole, name_parts(whole, called)), *usable.remarks]
     called = name_parts(usable.recordings, called)
-    remarks = [*remarks_on(usable.recordings, called), *usable.remarks]
     turned = tuple(one.on_joint_side() for one in usable.recordings)
     remarks += [] if controller is None else check_controller(controller, turned)
     # Inertia is compared only where it is in the unit of the recorded torque.
@@ -96,4 +102,6 @@ def read_given(
         loops=tuple(estimate_controller(one) if controller is None else controller for one in turned),
         remarks=tuple(remarks),
         data=usable.data,
+        pasts=usable.pasts,
+        whole=tuple(one.on_joint_side() for one in usable.whole),
     )

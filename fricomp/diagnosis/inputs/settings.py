@@ -60,6 +60,30 @@ class InputSettings:
     late_left: float = 0.5
     """Part that a delay leaves of what a rigid joint misses of the torque, below which the search starts from that
     delay as well: no fit of small steps finds it, where the torque turns faster than it comes."""
+    most_samples: int = 240_000
+    """Samples of all recordings that are searched, on the grid of the simulations. Twice as many cost twice the time
+    and memory, and narrow intervals by a third."""
+    searched_whole: float = 1.25
+    """Times as many up to which all of them are: a cut that leaves out little is not worth its words."""
+    stretches: int = 12
+    """Stretches of one long recording; the kernel runs sixteen joints a call."""
+    shortest_stretch: float = 10.0
+    """Length of a stretch [s] below which there are fewer of them: each loses half a second at both ends."""
+    cell: float = 0.05
+    """Time over which the choice of stretches averages the motion [s], about a row."""
+    standing_out_share: float = 1.0 / 3.0
+    """Part of the stretches that may be chosen since the torque stands out there. With more of them what is usual
+    would be known less well."""
+    stands_out: float = 2.0
+    """Times the usual loudest second of a stretch from which it stands out. Chance and motion make up to half of it."""
+    falling_shares: tuple[float, ...] = (0.02, 0.1, 0.4)
+    """Parts of the top speed over which friction may fall, for the look at all stretches."""
+    places: int = 10
+    """Parts of the range of position that the stretches should reach."""
+    speeds: tuple[float, ...] = (0.01, 0.05, 0.2, 0.5)
+    """Parts of the top speed between which the stretches should have been."""
+    past_cell: float = 1.0
+    """Time over which the past of a stretch is averaged [s], the shortest time in which a joint warms."""
     student_tails: tuple[tuple[float, float, float], ...] = (
         (2.5, 0.613, 6.9),
         (3.0, 0.748, 5.8),

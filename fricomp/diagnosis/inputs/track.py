@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.signal import lfilter, savgol_filter
 
+from fricomp.recording import Recording
+
 from .controller import Controller
+from .past import Past
 from .settings import INPUT
 from .signal import FloatArray, differentiate
 from .spikes import remove_spikes
@@ -98,6 +101,7 @@ class Track:
         acts_late: Time by which the recorded torque was moved, since it acts so long after its stamp [s].
         missing: Samples at which no row was recorded, which lie on straight lines; empty where none are. Shape (n,).
         source: Number of the recording that it is a part of: an encoder's zero and a payload are the same in all parts.
+        past: How the joint was driven over all of that recording; None where this track is all of it.
     """
 
     dt: float
@@ -117,6 +121,7 @@ class Track:
     acts_late: float = 0.0
     missing: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     source: int = 0
+    past: Past | None = None
 
     @property
     def size(self) -> int:
@@ -185,6 +190,12 @@ class Track:
             name=name,
             position_noise=measure_position_noise(position, velocity),
         )
+
+
+def choose_step(recordings: Sequence[Recording]) -> float:
+    """Sample time of the grid on which recordings are simulated [s]: their own, or a part of a slow one's."""
+    dt = min(recording.sample_period for recording in recordings)
+    return float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else float(dt / np.ceil(dt / 2.5e-3))
 
 
 def find_encoder_step(position: FloatArray) -> float:

@@ -14,6 +14,7 @@ from fricomp.recording import Recording
 
 from ..inputs.checks import PART_OF
 from ..inputs.controller import Controller
+from ..inputs.past import Past
 from ..inputs.rigid import Spring
 from ..inputs.spikes import remove_spikes
 from ..inputs.track import (
@@ -22,6 +23,7 @@ from ..inputs.track import (
     FloatArray,
     TorqueNoise,
     Track,
+    choose_step,
     differentiate,
     find_calm_samples,
     find_encoder_step,
@@ -42,6 +44,7 @@ def build_tracks(
     loops: Sequence[Controller | None] = (),
     spring: Spring | None = None,
     acts_late: float = 0.0,
+    pasts: Sequence[Past | None] = (),
 ) -> list[Track]:
     """One track for each recording, all on the same grid.
 
@@ -50,15 +53,15 @@ def build_tracks(
         loops: What moved the joint in each of them; none where that is not known.
         spring: Spring of the simulation. Its torque is taken off: the joint without it is fitted and compared.
         acts_late: Time after its stamp at which the torque acts [s]: it is moved there.
+        pasts: How the joint was driven over what each is a stretch of; None, or none at all, where it is all of it.
 
     Raises:
         DiagnosisError: The recordings mix rotary and linear joints.
     """
     if len({recording.metadata.motion for recording in recordings}) > 1:
         raise DiagnosisError("the recordings mix rotary and linear joints: diagnose one joint at a time")
-    dt = min(recording.sample_period for recording in recordings)
-    dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
-    known = loops or [None] * len(recordings)
+    dt = choose_step(recordings)
+    known, earlier = loops or [None] * len(recordings), pasts or [None] * len(recordings)
     tracks = [
         replace(
             _build_track(_move_torque(recording, acts_late), loop, dt, f"recording {i + 1}"),
@@ -66,8 +69,11 @@ def build_tracks(
             delays=_bound_usual_delay(recording.sample_period, acts_late),
             acts_late=acts_late,
             source=source,
+            past=past,
         )
-        for i, (recording, loop, source) in enumerate(zip(recordings, known, _number_sources(recordings), strict=True))
+        for i, (recording, loop, past, source) in enumerate(
+            zip(recordings, known, earlier, _number_sources(recordings), strict=True)
+        )
     ]
     return tracks if spring is None else [_remove_spring(track, spring) for track in tracks]
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fricomp.model import FrictionModel
+from fricomp.recording import Recording
 
 from ..delivery.models import Delivery, deliver_models
 from ..effects import EFFECTS
@@ -48,6 +49,7 @@ def write_diagnosis(
     proposal: Proposal | None = None,
     forward: Forward | None = None,
     remarks: Sequence[str] = (),
+    whole: Sequence[Recording] = (),
 ) -> Diagnosis:
     """Write the record with its sentences, and beside it the curves and models.
 
@@ -57,11 +59,13 @@ def write_diagnosis(
         proposal: The motion that would tell rivals apart; None where none is proposed.
         forward: Errors of a forward simulation; None where there was none.
         remarks: What the checks of the data noticed.
+        whole: All that is usable, where stretches of it were searched.
     """
     case, sample = findings.case, verdict.sample
     lawless = sample is not None and sample.lawless
     undetermined = () if lawless else list_undetermined(findings.refitted, (case.unit, case.position_unit))
-    delivery = _deliver(findings, verdict, undetermined)
+    delivery = _deliver(findings, verdict, undetermined, whole)
+    looked = () if delivery is None else delivery.remarks
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict=verdict.word,
@@ -82,7 +86,7 @@ def write_diagnosis(
         recordings=tuple(rows.name for rows in findings.series),
         joint=case.recordings[0].metadata.joint,
     )
-    record = write_record(fields, _collect_notes(findings, verdict, proposal, remarks))
+    record = write_record(fields, _collect_notes(findings, verdict, proposal, (*remarks, *looked)))
     files = () if delivery is None else delivery.series
     if sample is None:
         evidence = Evidence(findings.series, findings.maps, findings.orders, findings.change_points, files)
@@ -103,7 +107,9 @@ def write_diagnosis(
     )
 
 
-def _deliver(findings: Findings, verdict: Verdict, undetermined: Sequence[str]) -> Delivery | None:
+def _deliver(
+    findings: Findings, verdict: Verdict, undetermined: Sequence[str], whole: Sequence[Recording]
+) -> Delivery | None:
     """The models that are handed over with the answer; None where the joint obeys no law of its own motion."""
     case, sample = findings.case, verdict.sample
     if sample is not None and sample.lawless:
@@ -120,7 +126,7 @@ def _deliver(findings: Findings, verdict: Verdict, undetermined: Sequence[str]) 
         cosine, sine = case.rigid.gravity
         inertia = replace(base.dynamics, inertia=case.rigid.inertia, load_inertia=0.0)
         given = replace(inertia, gravity_cosine=cosine, gravity_sine=sine)
-    found = deliver_models(case.recordings, base, extended, missing, names=names, given=given)
+    found = deliver_models(case.recordings, base, extended, missing, names=names, given=given, whole=whole)
     noted = None if found.extended is None else _note(found.extended, undetermined)
     return replace(found, base=_note(found.base, undetermined), extended=noted)
 

@@ -49,7 +49,7 @@ class TorqueConstantHeating(Effect):
 
 def _compute_share(context: Context, values: Values) -> FloatArray:
     """Part of the torque that is missing [1]. Shape (n,)."""
-    share: FloatArray = values["loss"] * compute_warming(
-        context.torque**2, context.dt, float(np.exp(values["time_constant"]))
-    )
-    return share
+    past, time_constant = context.past, float(np.exp(values["time_constant"]))
+    square, begin = (None, 0.0) if past is None else (past.square, past.begin)
+    warming = compute_warming(context.torque**2, context.dt, time_constant, square, begin)
+    return values["loss"] * warming.rise

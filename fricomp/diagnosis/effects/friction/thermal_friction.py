@@ -18,7 +18,7 @@ from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
 from ..heating_time import HEATING_TIME, propose_heating_times
 from ..settings import EFFECT
-from ..warming import compute_heat, compute_losses, compute_unit_rise, compute_warming
+from ..warming import compute_heat, compute_unit_rise, warm_by_losses
 
 LEAST_VISCOUS = 0.1
 """Least viscous friction at top speed in the dry level: what warms must be something, also where a base found none."""
@@ -89,9 +89,8 @@ class _Warmth(HiddenState):
         self.forward, self.reverse = _bound_viscous(context)
 
     def begin(self, sample: int, step: float) -> None:
-        power = compute_losses(self.context)
-        rise = compute_warming(power, self.context.dt, self.time_constant)
-        self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), max(float(np.mean(power)), 1e-12)
+        warming = warm_by_losses(self.context, self.time_constant)
+        self.rise, self.usual, self.mean = float(warming.rise[sample]), warming.usual, warming.unit
         self.gain, self.unit = 1.0 - exp(-step / self.time_constant), compute_unit_rise(self.time_constant)
 
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
