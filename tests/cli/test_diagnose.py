@@ -274,6 +274,7 @@ def _scaled(factor: float, gravity: float | None = None) -> DiagnosisRecord:
         (_scaled(1 / 6), {"gear_ratio": 6.0}, "(the recording states gear_ratio 6)"),
         (_scaled(0.5), {"gear_ratio": 6.0, "torque_side": "motor"}, "check the gear_ratio 6 of the recording"),
         (_scaled(1.05), {}, ""),
+        (_scaled(1.2), {}, ""),  # no gear does that
         (_scaled(0.5, gravity=0.8), {}, ""),
     ],
 )

@@ -16,6 +16,7 @@ _TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer 
 _ANSWERED = ("torque", "current")  # lone samples that the joint answers stay, the others were left out and told
 _ALIKE = 0.1  # relative difference of two factors that are one
 _USUAL = 0.1  # that a torque signal is off by for other reasons than a gear
+_LEAST_GEAR = 1.5  # ratio below which hardly any stage is built
 
 
 def distinct_names(paths: Sequence[Path]) -> list[str]:
@@ -50,7 +51,8 @@ def diagnosis_warnings(read: Mapping[Path, Recording], diagnosis: Diagnosis) -> 
             if finding.severity != "note" and not told:
                 found.append(where + finding.caution)
     factor = _common_factor(record)
-    return (*found, _gear(factor, list(read.values()))) if factor is not None else tuple(found)
+    advice = None if factor is None else _suspect_gear(factor, list(read.values()))
+    return (*found, advice) if advice is not None else tuple(found)
 
 
 def _common_factor(record: DiagnosisRecord) -> float | None:
@@ -70,12 +72,15 @@ def _common_factor(record: DiagnosisRecord) -> float | None:
     return None if 1.0 - _USUAL < factor < 1.0 + _USUAL else factor
 
 
-def _gear(factor: float, recordings: Sequence[Recording]) -> str:
+def _suspect_gear(factor: float, recordings: Sequence[Recording]) -> str | None:
+    """What a gear has to do with one factor on inertia and gravity; None where none makes so small a factor."""
     ratios = sorted({one.metadata.gear_ratio for one in recordings if one.metadata.gear_ratio is not None})
     stated = f"gear_ratio {', '.join(f'{ratio:.4g}' for ratio in ratios)}" if ratios else "no gear_ratio"
     both = f"Careful: inertia and gravity are both {factor:.3g} times those of the simulation"
     if any(one.metadata.torque_side == "motor" for one in recordings):
         return f"{both}, as a wrong gear ratio makes them: check the {stated} of the recording."
+    if 1.0 / _LEAST_GEAR < factor < _LEAST_GEAR:
+        return None
     return (
         f"{both}, as torque of the motor side of a gear makes them (the recording states {stated}): unless the torque "
         "acts on the joint side, state torque_side: motor and the gear_ratio in its metadata."

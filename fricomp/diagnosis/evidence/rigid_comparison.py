@@ -21,7 +21,6 @@ from .comparison import (
 from .settings import PARAMETERS
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
-_PARTS = (slice(0, 1), slice(1, None))  # of a shift: of the inertia, and of what does not depend on acceleration
 
 
 def compare_rigid(
@@ -66,8 +65,8 @@ def compare_rigid(
     # nothing speaks for it.
     alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + PARAMETERS.simpler
     if alike:
-        inertia, standing = (_measure_surprise(shift[own], (covariance + floor)[own, own]) for own in _PARTS)
-        follows = min(inertia, standing) > PARAMETERS.follows
+        own = slice(0, 1), slice(1, None)  # of the inertia, and of what does not depend on acceleration
+        follows = min(_measure_surprise(shift, covariance + floor, one) for one in own) > PARAMETERS.follows
         fits = scores["torque_gain_error"] - PARAMETERS.simpler < PARAMETERS.gain_leaves
         usual = abs(float(fitted["torque_gain_error"][0])) <= PARAMETERS.usual_gain
         best = "torque_gain_error" if follows and fits and usual else "payload_error"
@@ -85,9 +84,9 @@ def compare_rigid(
     return Comparison((shift_of_best,), tuple(changes))
 
 
-def _measure_surprise(shift: FloatArray, covariance: FloatArray) -> float:
-    """Chi squared of no shift."""
-    return float(shift @ np.linalg.solve(covariance, shift))
+def _measure_surprise(shift: FloatArray, covariance: FloatArray, own: slice) -> float:
+    """Chi squared of no shift of some parameters."""
+    return float(shift[own] @ np.linalg.solve(covariance[own, own], shift[own]))
 
 
 class _Static(NamedTuple):

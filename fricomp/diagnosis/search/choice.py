@@ -74,6 +74,7 @@ def _is_apart(baseline: Baseline, larger: Explanation, part: Explanation, thresh
     further = set(larger.names) - set(part.names)
     # What both leave unexplained is taken for noise: as much of it as they leave can be fitted by anything.
     needed = SEARCH.apart * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
+    needed = max(needed, _compute_lacking(further, part))
     if _can_imitate(further) or _weigh(larger) < _weigh(part) + needed:
         return False
     untouched = np.abs(part.compute_reach(baseline)) < SEARCH.untouched
@@ -89,11 +90,20 @@ def _compute_worth(part: Explanation, threshold: float) -> float:
 def _can_complete(baseline: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Tell whether its further effects take away nearly all that is left. An effect that only corrects the form of
     another does not."""
+    further = set(larger.names) - set(part.names)
     least = max(SEARCH.completing_gain * threshold, SEARCH.completing_share * part.certain)
+    least = max(least, _compute_lacking(further, part))
     clear = _weigh(larger) > _weigh(part) + least
     takes_all = larger.left < SEARCH.completing_left * part.left or _can_silence(baseline, larger, part)
-    imitates = _can_imitate(set(larger.names) - set(part.names))
-    return clear and larger.coverage > SEARCH.enough and takes_all and not imitates
+    return clear and larger.coverage > SEARCH.enough and takes_all and not _can_imitate(further)
+
+
+def _compute_lacking(further: Collection[str], part: Explanation) -> float:
+    """Compute the gain that the first ones' own law may lack, where the further effects are laws of the same kind, of
+    friction under load; nothing else of what they add is seen."""
+    own = any(EFFECTS[name].follows_load for name in part.names)
+    alike = own and all(EFFECTS[name].follows_load for name in further)
+    return SEARCH.law_lacks * part.gain if alike else 0.0
 
 
 def _can_silence(baseline: Baseline, larger: Explanation, part: Explanation) -> bool:

@@ -22,6 +22,9 @@ class SearchSettings:
     completing_share: float = 0.01
     """Part of the first ones' evidence that it must add besides, in which no row counts for more than a few: beside an
     effect that is far louder than the noise, a part of its whole gain would shut out every other."""
+    law_lacks: float = 0.03
+    """Part of its gain that a law of friction under load may lack, since no gear follows one to the last per cent:
+    another such law draws it. As much as the right law may lack beside a rival."""
     completing_left: float = 0.3
     """Part of what was left that it may leave."""
     loud_part: float = 0.2
