@@ -319,23 +319,30 @@ class VelocitySettings:
 
     Attributes:
         least: Lag [s] from which it is told: shorter ones are those of usual velocity filters.
+        by_differences: The same in sample periods: a velocity from differences of the position is half of one late,
+            and another one where it is sent with the next row.
         longest: Lags below it are tried [s]; a velocity that is later is of no use anyway.
         step: Step between the lags that are tried [s].
         spread: Half of the 95 % interval of the lag [s]: that by which a grid of this step rounds.
+        spread_of_period: The same in sample periods, where these are longer.
         slowest: Longest sample period [s] of a recording in which a lag is looked for: slower ones do not show it.
         left: Part of the difference between velocity and derivative that a lag may leave: noise of a slow motion leaves
             nearly all of it.
         smooth: Width over which both are smoothed [s]: else a lag would do for the encoder's steps what smoothing does.
+        least_smooth: The same in samples, where these are further apart.
         scale: Relative error of the velocity's scale beyond which it is another quantity, or in another unit.
     """
 
     least: float = 3e-3
     longest: float = 0.041
     step: float = 5e-4
+    by_differences: float = 1.6
     spread: float = 3e-4
-    slowest: float = 5e-3
+    spread_of_period: float = 0.15
+    slowest: float = 0.012
     left: float = 0.5
     smooth: float = 0.015
+    least_smooth: float = 1.5
     scale: float = 0.1
 
 

@@ -19,9 +19,10 @@ from .settings import VELOCITY
 def find_velocity_lag(recordings: Sequence[Recording]) -> Shift | None:
     """The shift `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""
     lags = [lag for recording in recordings if (lag := _measure_lag(recording)) is not None]
-    if not lags or float(np.median(lags)) < VELOCITY.least:
+    period = max(recording.sample_period for recording in recordings)
+    if not lags or float(np.median(lags)) < max(VELOCITY.least, VELOCITY.by_differences * period):
         return None
-    lag, spread = float(np.median(lags)), VELOCITY.spread
+    lag, spread = float(np.median(lags)), max(VELOCITY.spread, VELOCITY.spread_of_period * period)
     return Shift(
         name="velocity_filter_lag",
         kind="measurement",
@@ -40,8 +41,9 @@ def _measure_lag(recording: Recording) -> float | None:
     if recording.velocity is None or recording.sample_period > VELOCITY.slowest:
         return None
     dt = recording.sample_period
-    truth = gaussian_filter1d(differentiate(np.asarray(recording.position), dt), VELOCITY.smooth / dt)
-    seen = gaussian_filter1d(np.asarray(recording.velocity), VELOCITY.smooth / dt)
+    smooth = max(VELOCITY.smooth / dt, VELOCITY.least_smooth)
+    truth = gaussian_filter1d(differentiate(np.asarray(recording.position), dt), smooth)
+    seen = gaussian_filter1d(np.asarray(recording.velocity), smooth)
     grid = np.arange(0.0, VELOCITY.longest, VELOCITY.step)
     errors, scales = [], []
     for lag in grid:

@@ -160,17 +160,26 @@ def test_a_long_gap_is_not_bridged(good: Recording) -> None:
     assert not any("bridged" in remark for remark in remarks_on([long]))
 
 
-@pytest.mark.parametrize("lag", [4e-3, 12e-3])
-def test_the_lag_of_a_velocity_filter_is_found(lag: float, good: Recording) -> None:
+@pytest.mark.parametrize(("lag", "every"), [(4e-3, 1), (12e-3, 1), (20e-3, 8)])
+def test_the_lag_of_a_velocity_filter_is_found(lag: float, every: int, good: Recording) -> None:
     fine = np.arange(0.0, 20.0, 1e-5)
     velocity = 1.5 * np.cos(3.0 * fine) + 2.0 * np.cos(11.0 * fine)
     position = 0.5 * np.sin(3.0 * good.time) + 2.0 / 11.0 * np.sin(11.0 * good.time)
     keep = float(np.exp(-1e-5 / lag))
     late = np.interp(good.time, fine, lfilter([1.0 - keep], [1.0, -keep], velocity))
-    effect = find_velocity_lag([replace(good, position=position, velocity=late)])
+    effect = find_velocity_lag([replace(good, position=position, velocity=late).rows(slice(None, None, every))])
     assert effect is not None
     low, high = effect.parameters["time_constant"].ci95
     assert low < lag < high
+
+
+def test_a_velocity_from_differences_at_a_low_rate_is_not_late(good: Recording) -> None:
+    """It is half a sample behind the position, and a whole one more where it comes with the next row."""
+    position = 0.5 * np.sin(3.0 * good.time) + 2.0 / 11.0 * np.sin(11.0 * good.time)
+    few = replace(good, position=position).rows(slice(None, None, 8))
+    differences = np.diff(few.position, prepend=few.position[0]) / few.sample_period
+    for late in (differences, np.concatenate([[0.0], differences[:-1]])):
+        assert find_velocity_lag([replace(few, velocity=late)]) is None
 
 
 def test_steps_of_a_coarse_encoder_on_a_slow_motion_are_no_lag(good: Recording) -> None:
