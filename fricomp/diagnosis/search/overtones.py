@@ -29,12 +29,12 @@ def fit_overtones(baseline: Baseline, explanations: Sequence[Explanation], thres
 
 
 def _add_overtones(baseline: Baseline, one: Explanation, candidate: Candidate, threshold: float) -> Candidate:
-    """Add those overtones to a ripple of an explanation that take much of what it leaves; the same where none does, or
-    where it leaves nothing above the noise."""
+    """Add those overtones to a ripple of an explanation that take much of what it leaves above the noise; the same where
+    none does. They stand out of noise as well that was measured too loud, since a fine ripple was taken for it."""
     values, fit = dict(candidate.values), one.fit
-    excess = float(fit.residual @ fit.residual) - fit.residual.size
-    if not candidate.effect.ripple or excess < threshold:
+    if not candidate.effect.ripple:
         return candidate
+    excess = float(fit.residual @ fit.residual) - fit.residual.size
     further = [times for times in MULTIPLES if times not in list_overtones(values)]
     waves = {candidate.at_order(times * values["order"]): times for times in further}
     columns = screen(baseline.problem, one.structure, fit.theta, fit.residual, fit.jacobian, list(waves)).columns
