@@ -7,7 +7,8 @@ parts, such as a ripple in single samples, becomes one model by it. Numbers that
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from fricomp.evaluation import (
     refit_model,
     split_folds,
 )
-from fricomp.model import FrictionModel, JointDynamics
+from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from ..record.file_errors import FileErrors, ModelErrors
@@ -32,8 +33,19 @@ from .settings import DELIVERY
 from .whole import look_over_whole
 
 _GRAVITY = ("gravity_cosine", "gravity_sine")
-_GIVEN = ("inertia", *_GRAVITY)
 _BASE, _NAMED = "the base model", "the model with what was named"
+
+
+class GivenModel(NamedTuple):
+    """The base with those parameters of a simulation that were found to be off.
+
+    Attributes:
+        model: Its start; all but what is held is refitted.
+        held: Names of the numbers that are as given.
+    """
+
+    model: FrictionModel
+    held: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -68,7 +80,7 @@ def deliver_models(
     missing: Sequence[str] = (),
     *,
     names: Sequence[str] = (),
-    given: JointDynamics | None = None,
+    given: GivenModel | None = None,
     whole: Sequence[Recording] = (),
 ) -> Delivery:
     """Fit the models once more, and measure what they are worth.
@@ -80,8 +92,8 @@ def deliver_models(
         missing: What was named and is in no law.
         names: Of the recordings.
         whole: All that is usable, where the recordings are stretches of longer ones.
-        given: Inertia and gravity of a simulation that were found to be off: the error before is then that with them,
-            and friction refitted; None where they were not.
+        given: The base with what was found to be off as the simulation has it: the error before is then that of it;
+            None where nothing was.
     """
     try:
         band = min(read_motion(one).band for one in recordings)
@@ -89,7 +101,7 @@ def deliver_models(
         motion = join_motions(each)
         models = [_settle(one, motion) for one in (base, extended) if one is not None]
         if given is not None and extended is None:
-            models.insert(0, _settle(replace(base, dynamics=given), motion, _GIVEN))
+            models.insert(0, _settle(given.model, motion, given.held))
         held = [evaluate_folds(name, one.folds, motion) for name, one in zip((_BASE, _NAMED), models, strict=False)]
         every = join_motions([read_motion(one, band=band) for one in whole]) if whole else motion
         error = measure_torque_error(models[-1].model, every)

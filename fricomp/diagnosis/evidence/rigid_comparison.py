@@ -65,8 +65,8 @@ def compare_rigid(
     # nothing speaks for it.
     alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + PARAMETERS.simpler
     if alike:
-        own = slice(0, 1), slice(1, None)  # of the inertia, and of what does not depend on acceleration
-        follows = min(_measure_surprise(shift, covariance + floor, one) for one in own) > PARAMETERS.follows
+        parts = slice(0, 1), slice(1, None)  # the inertia, and what does not depend on acceleration
+        follows = min(_measure_surprise(shift, covariance + floor, one) for one in parts) > PARAMETERS.follows
         fits = scores["torque_gain_error"] - PARAMETERS.simpler < PARAMETERS.gain_leaves
         usual = abs(float(fitted["torque_gain_error"][0])) <= PARAMETERS.usual_gain
         best = "torque_gain_error" if follows and fits and usual else "payload_error"

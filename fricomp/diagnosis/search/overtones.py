@@ -29,8 +29,10 @@ def fit_overtones(baseline: Baseline, explanations: Sequence[Explanation], thres
 
 
 def _add_overtones(baseline: Baseline, one: Explanation, candidate: Candidate, threshold: float) -> Candidate:
-    """Add those overtones to a ripple of an explanation that take much of what it leaves above the noise; the same where
-    none does. They stand out of noise as well that was measured too loud, since a fine ripple was taken for it."""
+    """Add those overtones to a ripple of an explanation that take much of what it leaves above the noise.
+
+    They stand out of noise as well that was measured too loud, since a fine ripple was taken for it.
+    """
     values, fit = dict(candidate.values), one.fit
     if not candidate.effect.ripple:
         return candidate

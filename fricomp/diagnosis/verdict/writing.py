@@ -39,6 +39,7 @@ from ..record.sentence import (
 )
 from .experiment import Proposal
 from .extension import write_base_model, write_extended_model
+from .given_model import write_given_model
 from .judging import Verdict, choose_verdict
 from .probability import compute_probability, list_probabilities
 
@@ -121,11 +122,7 @@ def _deliver(
     named = [one.name for one in verdict.effects if one.kind == "physics"]
     missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
     names = [rows.name for rows in findings.series]
-    given = None
-    if verdict.held.before == "given" and case.rigid is not None and base.dynamics is not None:
-        cosine, sine = case.rigid.gravity
-        inertia = replace(base.dynamics, inertia=case.rigid.inertia, load_inertia=0.0)
-        given = replace(inertia, gravity_cosine=cosine, gravity_sine=sine)
+    given = write_given_model(findings, base) if verdict.held.before == "given" else None
     found = deliver_models(case.recordings, base, extended, missing, names=names, given=given, whole=whole)
     noted = None if found.extended is None else _note(found.extended, undetermined)
     return replace(found, base=_note(found.base, undetermined), extended=noted)
