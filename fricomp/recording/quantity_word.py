@@ -46,6 +46,15 @@ _JOINED = re.compile(
 """Words that Chinese, Japanese and Korean join to one."""
 
 
+WANTED: tuple[str, ...] = (
+    *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired"),
+    *("target", "targets", "goal", "goals", "setpoint", "setpoints", "soll", "set", "demand", "demanded", "consigne"),
+    *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
+    *("заданный", "заданная", "заданное", "задание", "уставка"),
+)
+"""Words of what a joint is asked for."""
+
+
 def _simplify_letters(word: str) -> str:
     """A word in small letters without accents, each letter as one."""
     letters = (unicodedata.normalize("NFD", letter)[0] for letter in word.lower())
@@ -74,3 +83,8 @@ def split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
 def count_known(names: list[str]) -> int:
     """Number of names of which a word is a quantity or a time."""
     return sum(any(word in _KNOWN for word, _ in split_words(name)) for name in names)
+
+
+def says_asked_for(name: str) -> bool:
+    """Whether a column or topic is called as what a joint was asked for: `q_ref`, `/arm/goal`, a policy's `action`."""
+    return any(word in (*WANTED, "action", "actions") for word, _ in split_words(name))

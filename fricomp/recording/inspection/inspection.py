@@ -14,7 +14,7 @@ from fricomp.recording.file import is_own, read_content
 from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import TORQUES
 from fricomp.recording.named.clock import find_stamps
-from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit, says_asked_for
+from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from fricomp.recording.named.log import NamedLog, are_counts, separate_joints
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import (
@@ -23,6 +23,7 @@ from fricomp.recording.named.source import (
     read_named_columns,
     read_unnamed_columns,
 )
+from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
 from fricomp.recording.unit_word import UNKNOWN_UNIT
@@ -143,7 +144,7 @@ def _propose(path: Path, columns: Mapping[str, Samples], *, numbered: bool) -> s
     left = {name: values for name, values in columns.items() if not says_asked_for(name)}
     guess = _prefer_named(guess_columns(left, _list_others(left)), meanings)
     counted = [name for name, values in left.items() if are_counts(name, values)]
-    return render_guess(path, guess, numbered=numbered, counted=counted)
+    return render_guess(path, guess, numbered=numbered, counted=counted, beside=columns)
 
 
 def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) -> Guess:

@@ -14,6 +14,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.checks.torque_causes import fit_joint
 from fricomp.recording.named.clock import TIME_UNITS, find_stamps
 from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
+from fricomp.recording.named.device_unit import find_rating_parts, is_of_axis
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
@@ -193,7 +194,9 @@ def _find_torque(time: Samples, position: Samples, columns: Mapping[str, Samples
     return chosen, best if chosen else 0.0
 
 
-def render_guess(path: Path, guess: Guess, *, numbered: bool, counted: Collection[str] = ()) -> str:
+def render_guess(
+    path: Path, guess: Guess, *, numbered: bool, counted: Collection[str] = (), beside: Collection[str] = ()
+) -> str:
     """A mapping to edit.
 
     Args:
@@ -201,6 +204,7 @@ def render_guess(path: Path, guess: Guess, *, numbered: bool, counted: Collectio
         guess: What its columns may hold.
         numbered: Whether they have numbers, and no names.
         counted: Names of columns that hold whole numbers alone: what one is worth has to be said.
+        beside: Names of all columns.
     """
     layout = read_layout(path) if path.is_file() and is_text(path) else None
 
@@ -208,9 +212,11 @@ def render_guess(path: Path, guess: Guess, *, numbered: bool, counted: Collectio
         if numbered:
             return f"{channel} = {{ column = {name} }}"
         unit, is_asked = _read_stated_unit(name)
-        scale = is_asked or (name in counted and not unit)
+        share = find_rating_parts(name, beside) if channel == "torque" else 0
+        asked = is_asked or is_of_axis(name) or (name in counted and not unit)
+        scale = f"RATED/{share}" if share else "VALUE_OF_ONE" if asked else ""
         parts = [f"column = {render_column(name, layout)}", *([f'unit = "{unit}"'] if unit else [])]
-        return f"{channel} = {{ {', '.join([*parts, *(['scale = VALUE_OF_ONE'] if scale else [])])} }}"
+        return f"{channel} = {{ {', '.join([*parts, *([f'scale = {scale}'] if scale else [])])} }}"
 
     lines = [f"# {path.name}: a guess by what the numbers do and the names of its columns say. Correct it.", ""]
     lines += [*_describe_text(path, layout, numbered=numbered), ""] if layout is not None else []

@@ -5,16 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from fricomp.recording.quantity_word import TOKEN, WORDS, split_words
+from fricomp.recording.quantity_word import TOKEN, WANTED, WORDS, split_words
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
-_WANTED: tuple[str, ...] = (
-    *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired", "target", "goal"),
-    *("setpoint", "soll", "set", "demand", "demanded", "consigne"),
-    *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
-    *("заданный", "заданная", "заданное", "задание", "уставка"),
-)
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
@@ -161,11 +155,6 @@ def without_observation(name: str) -> str:
     return _OBSERVATION.sub("", name)
 
 
-def says_asked_for(name: str) -> bool:
-    """Whether a column is called as what a joint was asked for: `q_ref`, `goal`, the `action` of a policy."""
-    return any(word in (*_WANTED, "action", "actions") for word, _ in split_words(name))
-
-
 def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:
     """The quantity that word and unit agree on: `q-axis [A]` is a current; nothing where they contradict each other."""
     kind = kind_of_unit(said[0].unit) if said else ""
@@ -197,7 +186,7 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
         return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
         return "rate"
-    if word in _WANTED or (word == "d" and k > at):
+    if word in WANTED or (word == "d" and k > at):
         return "wanted"
     if word in _MEASURED:
         return "measured"

@@ -24,6 +24,7 @@ from .choice import INTEGRAL, TORQUES, choose_columns
 from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
+from .device_unit import explain_unit, find_rating_parts, refuse_axis
 from .missing import explain_missing
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
@@ -204,6 +205,8 @@ def _build(
         wrapped = (
             Finding("degrees", "note", "position goes round at 360: it was taken to be in degrees", "nothing to do"),
         )
+    elif not linear:
+        refuse_axis(path, *own["position"], table["position"])
     table = _leave_out_empty(join_sparse(table))
     for channel in [one for one in own if one not in table and own[one][0] != INTEGRAL]:
         del own[channel]
@@ -252,21 +255,13 @@ def _to_si(
         RecordingError: A column is in units of a device, or has not one value a row.
     """
     table = {}
-    for channel, (column, meaning) in own.items():
+    # A rating first: what is to be written of it asks for the other columns as well.
+    for channel, (column, meaning) in sorted(own.items(), key=lambda one: not find_rating_parts(one[1][0], columns)):
         if column == INTEGRAL:
             continue
-        if meaning.unit == RAW_UNIT:
-            scale = "6.2832/COUNTS_A_TURN" if channel in ("position", "motor_position") else "VALUE_OF_ONE"
-            raise RecordingError(
-                f"{path}: {column!r} is in units of a device: say in a mapping what one is worth, such as "
-                f"{channel} = {{ column = {column!r}, scale = {scale} }} with the number worked out"
-            )
-        if meaning.unit == UNKNOWN_UNIT:
-            raise RecordingError(
-                f"{path}: the unit in {column!r} is not known: say in a mapping what one of it is in SI, such as "
-                f"{channel} = {{ column = {column!r}, scale = VALUE_OF_ONE }}, and the other columns beside it "
-                "('fricomp convert LOG --inspect' shows them)"
-            )
+        unknown = explain_unit(path, channel, column, meaning, columns)
+        if unknown:
+            raise RecordingError(unknown)
         found = find_unit(meaning.unit) if meaning.unit else None
         values = columns[column]
         if channel == "torque" and are_counts(column, values):

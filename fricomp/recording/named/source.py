@@ -14,6 +14,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.number_rows import read_head, read_number_rows
+from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.sources import Contents, is_text, read_contents
 from fricomp.recording.sources.can_frames import refuse_bytes, refuse_frames
 from fricomp.recording.sources.plain_table import as_table
@@ -27,7 +28,7 @@ from fricomp.untrusted import require_filled
 
 from .choice import TORQUES
 from .clock import find_stamps
-from .column import read_column_name, says_asked_for
+from .column import read_column_name
 from .entries import drop_numbered_twins, fill_spans, name_listed, number_repeated
 from .long_rows import separate_long_rows
 

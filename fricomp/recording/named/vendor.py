@@ -12,6 +12,7 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words, unit_for
 from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning
+from .device_unit import with_device_unit
 
 _TURNS = re.compile(r"(^|[./])servo_stats\.(abs_)?position$")
 """Of moteus (its `servo_stats`): positions in turns."""
@@ -49,6 +50,7 @@ _ACTUATOR = re.compile(r"(?:^|[./])qfrc_actuator[\[_:.]?(\w*)\]?$")
 """What MuJoCo calls the torque of all actuators at a joint."""
 _POLICY = re.compile(r"(^|\.)(observation\.state|action)\.[^/]*\.pos$")
 """Positions of LeRobot: degrees, or parts of a range in per cent, as the robot was set up."""
+
 _LARGEST_RAD = 8.0
 """Of such a position, above which it is not in rad."""
 
@@ -146,4 +148,4 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
         return ColumnMeaning(channel, kuka.group(2), meaning.certainty, "deg")
     if meaning.channel == "velocity" and _TURNS_A_SECOND.search(name):
         return replace(meaning, unit="turns/s", certainty=max(meaning.certainty, 0))
-    return meaning
+    return with_device_unit(name, meaning, beside)

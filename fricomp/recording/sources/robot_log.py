@@ -6,7 +6,6 @@ from their stamp or from the log. A mapping joins topics by time; see `topic`.
 """
 
 import itertools
-import re
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
@@ -18,6 +17,7 @@ import numpy as np
 
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
+from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.sources.bag_guard import require_plain_files, require_small_arrays
 from fricomp.recording.sources.columns import Columns, columns_of_records
 from fricomp.recording.sources.protobuf_message import read_stamped_message
@@ -28,10 +28,6 @@ _LONGEST_REASON = 300
 """Characters of a foreign error that are told: some repeat the file."""
 _FIRST = 100
 """Messages by which it is told what a topic holds."""
-_COMMANDS = re.compile(
-    r"(?:^|[/_])(?:cmd|commands?|desired|targets?|goals?|reference|setpoints?)(?:[/_]|$)", re.IGNORECASE
-)
-"""Part of a topic's name that says what joints are asked for, in messages that look like their states."""
 _MOST_NUMBERS = 100
 """Numbers of a message from which on it is a picture or a map."""
 _JOINT_STATE = ("sensor_msgs/msg/JointState", "sensor_msgs/JointState")
@@ -216,7 +212,7 @@ def _says_effort(states: Topic) -> bool:
 
 def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:
     """The topic that is asked for; without a word on it the only one, beside those of what joints are asked for."""
-    measured = {name for name in topics if not _COMMANDS.search(name)}
+    measured = {name for name in topics if not says_asked_for(name)}
     if not wanted and len(measured) == 1:
         return next(iter(measured))
     if wanted in topics:

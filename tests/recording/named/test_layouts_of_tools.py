@@ -38,7 +38,7 @@ def rows_of(*columns: Samples, mark: str = ",") -> list[str]:
 
 
 def write_pairs_of_time_and_value(folder: Path) -> Path:
-    above = ["Name\tScope", "", "Name\tAxis.ActPos\tName\tAxis.ActTorque", "SampleTime[ms]\t8\tSampleTime[ms]\t8"]
+    above = ["Name\tScope", "", "Name\tAxis.Position\tName\tAxis.ActTorque", "SampleTime[ms]\t8\tSampleTime[ms]\t8"]
     above += ["Offset\t0\tOffset\t0", "ScaleFactor\t1\tScaleFactor\t1"]
     return write(folder / "scope.csv", above + rows_of(1e3 * TIME, POSITION, 1e3 * TIME, TORQUE, mark="\t"))
 

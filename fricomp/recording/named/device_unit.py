@@ -1,0 +1,120 @@
+"""Columns in units that no log states, which are asked for: of a device, of a controller's axis, parts of a rating."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
+from fricomp.recording.validity import Samples
+
+from .column import RAW_UNIT, ColumnMeaning
+
+_FAR = 8.0 * np.pi
+"""Way of an axis without a unit [rad], above which it is as likely in degrees or mm: four turns of a joint."""
+_RATED = ("torque", "torque_command", "current", "load_torque")
+_PER_CENT = re.compile(r"[%]|(?<![a-z])(?:percent|pct)(?![a-z])", re.IGNORECASE)
+_PER_MILLE = re.compile(
+    r"‰|(?<![a-z])(?:permille|per[ _]thousand|per[ _]mille)(?![a-z])|(?<![0-9A-Fa-f])(?:0x)?607[1478](?:h|\b|_)",
+    re.IGNORECASE,
+)
+"""Words, and the objects of CiA 402 for the torque and current of a drive, in per mille of their ratings [cia402]."""
+_LOGIX = re.compile(r"^(.+)\.(?:Torque|Current)(?:Feedback|Reference|Command|Trim)$")
+"""Tags of an axis of Rockwell's controllers: per cent of the rating of its motor."""
+_AXIS_VALUE = re.compile(r"(?:^|[./ _\]])f?Act(?:ual)?_?Pos(?:ition)?$")
+"""Position of an axis as controllers of machines call it: in the unit that its project has chosen."""
+
+
+def find_rating_parts(name: str, beside: Collection[str]) -> int:
+    """Of how many parts of its rating a torque or a current consists: 100 or 1000; 0 where its name says neither.
+
+    Args:
+        name: Of the column.
+        beside: Names of all columns.
+    """
+    tag = _LOGIX.match(name)
+    if _PER_CENT.search(name) or (tag and f"{tag.group(1)}.ActualPosition" in beside):
+        return 100
+    return 1000 if _PER_MILLE.search(name) else 0
+
+
+def is_of_axis(name: str) -> bool:
+    """Whether a column is called as the position of a controller's axis, whose unit its project has chosen."""
+    return bool(_AXIS_VALUE.search(name)) and not find_unit_words(name, -1)
+
+
+def with_device_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> ColumnMeaning:
+    """The meaning with its unit to be asked for, where the name says a rating or an axis; others are as they were.
+
+    Args:
+        name: Of the column.
+        meaning: What its words say, without a unit.
+        beside: All columns by name.
+    """
+    if meaning.channel in _RATED and find_rating_parts(name, beside):
+        return replace(meaning, unit=RAW_UNIT)
+    return meaning
+
+
+def refuse_axis(path: Path, column: str, meaning: ColumnMeaning, values: Samples) -> None:
+    """Refuse to take for rad what is called as the position of a controller's axis, and goes far.
+
+    Args:
+        path: Of the log, for messages.
+        column: Name of the position, which does not wrap.
+        meaning: What it says.
+        values: Shape (n_rows,).
+
+    Raises:
+        RecordingError: It is such a position.
+    """
+    known = values[np.isfinite(values)]
+    way = float(np.ptp(known)) if known.size else 0.0
+    if meaning.unit or not is_of_axis(column) or way < _FAR:
+        return
+    raise RecordingError(
+        f"{path}: {column!r} is in the unit of its axis, and covers {way:.4g}, far for rad: say in a mapping which it "
+        f'is, such as position = {{ column = {column!r}, unit = "deg" }}, or "rad", or "mm" and motion = "linear" '
+        "('fricomp convert LOG --inspect --out log.toml' begins one)"
+    )
+
+
+def explain_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> str:
+    """What to write for a column whose unit is not known; empty where it is.
+
+    Args:
+        path: Of the log, for messages.
+        channel: Of the column.
+        column: Its name.
+        meaning: What its name says.
+        beside: All columns by name.
+    """
+    if meaning.unit not in (RAW_UNIT, UNKNOWN_UNIT):
+        return ""
+    parts = find_rating_parts(column, beside) if channel in _RATED else 0
+    if parts:
+        share, what = ("per cent", "per mille")[parts == 1000], "current" if channel == "current" else "torque"
+        unit = "A" if channel == "current" else "N·m"
+        return (
+            f"{path}: {column!r} is in {share} of the rated {what} of the motor: write {channel} = {{ column = "
+            f"{column!r}, scale = RATED/{parts} }} in a mapping with the number worked out, RATED that {what} in "
+            f"{unit} (on its plate, in the settings of the drive), times the gear ratio where the position is behind a "
+            "gear; and say there what one of the position is ('fricomp convert LOG --inspect --out log.toml' begins "
+            "one)"
+        )
+    if meaning.unit == RAW_UNIT:
+        scale = "6.2832/COUNTS_A_TURN" if channel in ("position", "motor_position") else "VALUE_OF_ONE"
+        return (
+            f"{path}: {column!r} is in units of a device: say in a mapping what one is worth, such as "
+            f"{channel} = {{ column = {column!r}, scale = {scale} }} with the number worked out"
+        )
+    return (
+        f"{path}: the unit in {column!r} is not known: say in a mapping what one of it is in SI, such as "
+        f"{channel} = {{ column = {column!r}, scale = VALUE_OF_ONE }}, and the other columns beside it "
+        "('fricomp convert LOG --inspect' shows them)"
+    )

@@ -1,0 +1,75 @@
+"""Torques in parts of a rating and positions in the unit of an axis are asked for, with what to write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.errors import RecordingError
+from fricomp.recording import RecordingWarning, convert, load_mapping, read_recording
+from fricomp.recording.inspection.inspection import inspect_log
+
+_TIME = np.arange(0.0, 12.0, 0.004)
+_POSITION = 2.0 * np.sin(1.3 * _TIME) + 0.5 * np.sin(3.1 * _TIME)
+_VELOCITY = np.gradient(_POSITION, _TIME)
+_TORQUE = 0.1 * np.gradient(_VELOCITY, _TIME) + 1.2 * np.sign(_VELOCITY) + 0.3 * _VELOCITY
+
+
+def _write(path: Path, position: str, torque: str, scales: tuple[float, float]) -> Path:
+    table = np.stack([_TIME, scales[0] * _POSITION, scales[1] * _TORQUE], axis=1)
+    np.savetxt(path, table, fmt="%.6f", delimiter=",", header=f"time [s],{position},{torque}", comments="")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("position", "torque", "parts"),
+    [
+        ("Axis01.ActualPosition", "Axis01.TorqueFeedback", 100),
+        ("q [rad]", "6077h torque actual value", 1000),
+        ("q [rad]", "0x6077_Torque", 1000),
+        ("q [rad]", "torque [%]", 100),
+        ("q [rad]", "torque_permille", 1000),
+    ],
+)
+def test_a_torque_in_parts_of_a_rating_asks_for_the_rating(
+    position: str, torque: str, parts: int, tmp_path: Path
+) -> None:
+    path = _write(tmp_path / "log.csv", position, torque, (1.0, parts / 8.0))
+    with pytest.raises(RecordingError, match="RATED") as refused:
+        read_recording(path)
+    assert f"torque = {{ column = '{torque}', scale = RATED/{parts} }}" in str(refused.value)
+
+
+def test_the_line_that_is_asked_for_makes_the_torque(tmp_path: Path) -> None:
+    path = _write(tmp_path / "log.csv", "q", "Torque [%]", (1.0, 100.0 / 8.0))
+    (tmp_path / "log.toml").write_text(
+        '[source]\nheader = true\n[metadata]\ntorque_unit = "N·m"\n[channels]\ntime = { column = "time [s]" }\n'
+        'position = { column = "q" }\ntorque = { column = "Torque [%]", scale = 0.08 }\n'
+    )
+    (named,) = convert(path, load_mapping(tmp_path / "log.toml"))
+    recording = named.recording
+    np.testing.assert_allclose(recording.torque, _TORQUE, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["Axis_1.fActPosition", "Axis 1 ActPos", "Axis01.ActualPosition"])
+def test_a_position_in_the_unit_of_an_axis_that_goes_far_asks_for_the_unit(name: str, tmp_path: Path) -> None:
+    path = _write(tmp_path / "log.csv", name, "torque [Nm]", (180.0 / np.pi, 1.0))
+    with pytest.raises(RecordingError, match="in the unit of its axis") as refused:
+        read_recording(path)
+    assert f"position = {{ column = '{name}', unit = \"deg\" }}" in str(refused.value)
+
+
+def test_a_position_of_an_axis_that_stays_near_is_in_rad(tmp_path: Path) -> None:
+    path = _write(tmp_path / "log.csv", "Axis_1.fActPosition", "torque [Nm]", (1.0, 1.0))
+    with pytest.warns(RecordingWarning, match="as rad"):
+        recording = read_recording(path)
+    np.testing.assert_allclose(recording.position, _POSITION, atol=1e-5)
+
+
+def test_the_mapping_to_edit_asks_for_rating_and_unit(tmp_path: Path) -> None:
+    path = _write(tmp_path / "log.csv", "Axis01.ActualPosition", "Axis01.TorqueFeedback", (180.0 / np.pi, 12.5))
+    text = inspect_log(path).guess
+    assert 'torque = { column = "Axis01.TorqueFeedback", scale = RATED/100 }' in text
+    assert 'position = { column = "Axis01.ActualPosition", scale = VALUE_OF_ONE }' in text
