@@ -19,7 +19,7 @@ from fricomp.calibration.motion.missed_torque import (
     find_missed_spring,
 )
 from fricomp.calibration.motion.rigid_body import MotionIdentification
-from fricomp.calibration.motion.unexplained import doubt_for_unexplained
+from fricomp.calibration.motion.unexplained import doubt_for_unexplained, tell_unexplained
 from fricomp.evaluation import find_friction_change
 
 
@@ -71,9 +71,10 @@ def doubt_for_all(
     return doubt_for_unexplained(motion, samples.recorded)
 
 
-def tell_friction_change(motion: MotionIdentification) -> list[str]:
-    """What to know of friction that is another one at the end of the recording than at its beginning."""
+def tell_what_else_acts(motion: MotionIdentification, samples: JointSamples) -> list[str]:
+    """What to know of torque that is left, and of friction that changes from the beginning to the end."""
     velocity, torque = motion.points.T
     left = torque - np.asarray(motion.friction.model.torque(velocity), dtype=np.float64)
     change = find_friction_change(np.arange(torque.size, dtype=np.float64), left, torque, velocity)
-    return [] if change is None else [f"Careful: {change.describe(motion.friction.model.torque_unit)}."]
+    said = [] if change is None else [f"Careful: {change.describe(motion.friction.model.torque_unit)}."]
+    return [*tell_unexplained(motion, samples.recorded), *said]

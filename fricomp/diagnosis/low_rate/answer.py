@@ -282,9 +282,7 @@ def _join_fits(found: _Found) -> list[tuple[Candidate, Fitted, Fitted]]:
 def _write_opening(word: VerdictName, motion: RecordedMotion, given: Given) -> str:
     """The first sentence, where the usual one would say more than such a rate shows or than was given."""
     if word != "consistent":
-        return (
-            WITHOUT_SIMULATION if word == "missing_physics" and given.rigid is None and given.friction is None else ""
-        )
+        return WITHOUT_SIMULATION.get(word, "") if given.rigid is None and given.friction is None else ""
     return f"Nothing is missing of what {1.0 / motion.dt:.3g} samples a second show."
 
 

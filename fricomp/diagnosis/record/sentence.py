@@ -31,8 +31,11 @@ LAWLESS = (
 )
 """Opening where a late drive is all that can be said."""
 
-WITHOUT_SIMULATION = "This recording shows physics that a rigid joint with friction leaves out."
-"""Opening where physics is missing and no simulation was given."""
+WITHOUT_SIMULATION = {
+    "missing_physics": "This recording shows physics that a rigid joint with friction leaves out.",
+    "measurement": "A rigid joint with friction moves as recorded; the recorded signals are off.",
+}
+"""Openings where no simulation was given."""
 
 LITTLE_LEFT = "Nothing is missing that matters."
 """Opening where something small is left that no effect explains."""

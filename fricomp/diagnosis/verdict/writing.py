@@ -189,8 +189,8 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
         opening = NOTHING_BUT_SHARED
     elif verdict.sample is not None and verdict.sample.lawless:
         opening = LAWLESS
-    elif verdict.word == "missing_physics" and findings.case.rigid is None and findings.case.friction is None:
-        opening = WITHOUT_SIMULATION
+    elif findings.case.rigid is None and findings.case.friction is None:
+        opening = WITHOUT_SIMULATION.get(verdict.word, "")
     if verdict.undecided and proposal is None:
         facts.append(NO_MOTION)
     if verdict.sample is None or verdict.sample.waves:

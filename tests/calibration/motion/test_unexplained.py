@@ -53,6 +53,14 @@ def test_a_ripple_is_told_by_its_part_of_the_friction(order: float, size: float,
     assert "fricomp diagnose" in found.result.message
 
 
+@pytest.mark.parametrize(("size", "is_told"), [(0.0, False), (0.04, True)])
+def test_a_faint_ripple_is_told_and_the_intervals_stay(size: float, is_told: bool) -> None:
+    log = joint_log(20.0, 500.0, 4)
+    found = fricomp.identify(log.with_channels(torque=log.torque + size * np.sin(17.0 * log.position)))
+    assert found.status is Status.CONVERGED, found.result.message
+    assert any("as much as the friction is left" in note for note in found.notes) == is_told
+
+
 @pytest.mark.parametrize("gap", [0.004, 0.02])
 def test_a_gap_that_bends_the_curve_is_told(gap: float) -> None:
     found = fricomp.identify(_swing(gap), law="coulomb_viscous")
