@@ -13,7 +13,7 @@ from fricomp.laws.term import OperatingPoint, Parts, Scalar, Term, require, requ
 
 @dataclass(frozen=True)
 class EndStop(Term):
-    """side max(k d + c side v, 0) beyond the edge, with d = side (q - q_e): it pushes back and never pulls.
+    """side max(k d (1 + h d) + c side v, 0) beyond the edge, with d = side (q - q_e): it pushes back and never pulls.
 
     A like stop at the other end acts from d = -travel on, the other way.
 
@@ -23,6 +23,7 @@ class EndStop(Term):
         side: 1 for the upper end, -1 for the lower one.
         damping: c [N·m·s/rad] or [N·s/m].
         travel: Free way to a like stop at the other end [rad] or [m]; 0 where there is none.
+        hardening: h, by which a bumper stiffens as it is pressed [1/rad] or [1/m].
     """
 
     name: ClassVar[str] = "end_stop"
@@ -32,6 +33,7 @@ class EndStop(Term):
         "side": "1",
         "damping": "{torque}·s/{position}",
         "travel": "{position}",
+        "hardening": "1/{position}",
     }
 
     stiffness: float
@@ -39,10 +41,11 @@ class EndStop(Term):
     side: float
     damping: float = 0.0
     travel: float = 0.0
+    hardening: float = 0.0
 
     def __post_init__(self) -> None:
         require_finite(self, "edge")
-        require_nonnegative(self, "stiffness", "damping", "travel")
+        require_nonnegative(self, "stiffness", "damping", "travel", "hardening")
         require(self.side in (1.0, -1.0), f"side must be 1 or -1, got {self.side!r}")
 
     def parts(self, point: OperatingPoint) -> Parts:
@@ -56,4 +59,5 @@ class EndStop(Term):
     def _push(self, depth: Scalar, speed: Scalar) -> Scalar:
         """Torque against going deeper, nothing outside."""
         damped = np.where(depth > 0.0, self.damping * speed, 0.0)
-        return np.maximum(self.stiffness * np.maximum(depth, 0.0) + damped, 0.0)
+        pressed = np.maximum(depth, 0.0)
+        return np.maximum(self.stiffness * pressed * (1.0 + self.hardening * pressed) + damped, 0.0)

@@ -38,7 +38,7 @@ TERMS: tuple[Term, ...] = (
     PositionCoulomb(0.04, 0.02, 3.0),
     SpringTorque(0.3, 0.1),
     EndStop(2.0, 0.5, 1.0),
-    EndStop(2.0, -0.5, -1.0, 0.4, 1.2),
+    EndStop(2.0, -0.5, -1.0, 0.4, 1.2, 0.7),
     LoadCoulomb(0.1),
     LoadQuadratic(0.02),
     LoadStribeck(0.1, 0.07),

@@ -28,6 +28,7 @@ def test_a_damped_stop_pushes_in_and_never_pulls_on_the_way_out() -> None:
     velocity = differentiate(np.sin(3.0 * time), 1e-3, EFFECT.quick_window)
     motion = _move(np.sin(3.0 * time), velocity, np.zeros_like(time))
     values = {"stiffness": 5.0, "damping": 4.0, "inertia": 0.3, "edge": 0.9, "side": 1.0, "travel": 2.0}
+    values["hardening"] = 0.0
     torque = np.asarray(EFFECTS["end_stop"].compute_contribution(motion, values).additive)
     depth, speed = np.sin(3.0 * time) - 0.9, 3.0 * np.cos(3.0 * time)
     inside = np.abs(depth) > 2e-3  # at the edge itself the speed that is smoothed makes a difference
@@ -43,15 +44,17 @@ def test_stops_at_both_ends_push_inwards_as_the_law_says(side: float) -> None:
     acceleration = np.sin(0.7 * np.arange(401.0))
     motion = _move(position, velocity, acceleration)
     values = {"stiffness": 5.0, "damping": 0.4, "inertia": 0.2, "edge": 0.7 * side, "side": side, "travel": 1.5}
+    values["hardening"] = 3.0
     torque = np.asarray(EFFECTS["end_stop"].compute_contribution(motion, values).additive)
     low, high = sorted((0.7 * side, -0.8 * side))
     moved = 0.4 * velocity + 0.2 * acceleration
-    up = np.where(position > high, np.maximum(5.0 * (position - high) + moved, 0.0), 0.0)
-    down = np.where(position < low, np.minimum(5.0 * (position - low) + moved, 0.0), 0.0)
+    above, below = np.maximum(position - high, 0.0), np.maximum(low - position, 0.0)
+    up = np.where(position > high, np.maximum(5.0 * above * (1.0 + 3.0 * above) + moved, 0.0), 0.0)
+    down = np.where(position < low, np.minimum(-5.0 * below * (1.0 + 3.0 * below) + moved, 0.0), 0.0)
     assert torque == pytest.approx(up + down, abs=1e-12)
     massless = _move(position, velocity, np.zeros(401))
     torque = np.asarray(EFFECTS["end_stop"].compute_contribution(massless, values).additive)
-    law = EndStop(5.0, 0.7 * side, side, 0.4, 1.5)
+    law = EndStop(5.0, 0.7 * side, side, 0.4, 1.5, 3.0)
     assert law.torque(OperatingPoint(velocity, position)) == pytest.approx(torque, abs=1e-12)
 
 

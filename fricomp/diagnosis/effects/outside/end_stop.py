@@ -18,9 +18,10 @@ from ..effect import Effect, EffectParameter, Values, register
 
 @register
 class EndStop(Effect):
-    """tau = (k (q - q_max) + c v + m a)_+ beyond q_max. A stop dissipates by c, and pushes only.
+    """tau = (k d (1 + h d) + c v + m a)_+ beyond q_max, with d = q - q_max. A stop dissipates by c, and pushes only.
 
-    A like one may stand at the other end, by the way to it; where nothing meets it, that is the range.
+    A bumper stiffens by h as it is pressed. A like one may stand at the other end, by the way to it; where nothing
+    meets it, that is the range.
 
     What moves with it weighs m. So does the joint at a limit of MuJoCo, which takes the share d of all other torques
     away: it is J / (1 - d) heavy there. A law has no m.
@@ -28,7 +29,7 @@ class EndStop(Effect):
 
     name = "end_stop"
     kind = "physics"
-    equation = "tau = max(k (q - q_max) + c v + m a, 0) beyond q_max; the like at the other end"
+    equation = "tau = max(k d (1 + h d) + c v + m a, 0), d = q - q_max > 0; the like at the other end"
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
@@ -40,22 +41,41 @@ class EndStop(Effect):
     slope, and would stay out."""
     edge_step: ClassVar[float] = 0.02
     """Change of an edge that matters [rad] or [m]."""
+    edge_strays: ClassVar[float] = 1.5e-4
+    """By how much the form of a stop moves its edge, in the range: how it stiffens trades with where it begins."""
     usual_time: ClassVar[float] = 0.02
     """Damping over stiffness that matters [s]."""
+    usual_depth: ClassVar[float] = 0.1
+    """Part of the range over which a bumper is pressed, for the hardening that matters."""
+    stiffens: ClassVar[float] = 0.3
+    """Change of the hardening over that depth that matters [1]."""
+    hardest: ClassVar[float] = 30.0
+    """Largest hardening over that depth: the force is nearly a square then, whatever the stiffness."""
     widest: ClassVar[float] = 0.35
     """Largest part of the samples and of the range in which it may act, since a stop is at the end of the range."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, (low, high) = contexts[0].scale, _find_range(contexts)
         span = high - low
+        usual = 1.0 / (self.usual_depth * span)
         return (
             EffectParameter("stiffness", "{torque}/{position}", scale),
             EffectParameter("damping", "{torque}·s/{position}", self.usual_time * scale, 0.0, null=0.0),
             EffectParameter("inertia", "{torque}·s²/{position}", self.usual_time**2 * scale, 0.0, null=0.0),
-            EffectParameter("edge", "{position}", self.edge_step, linear=False),
+            EffectParameter("edge", "{position}", self.edge_step, linear=False, least_form=self.edge_strays * span),
             EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
             EffectParameter(
-                "travel", "{position}", self.edge_step, (1.0 - 2.0 * self.widest) * span, span, linear=False, null=span
+                "travel",
+                "{position}",
+                self.edge_step,
+                (1.0 - 2.0 * self.widest) * span,
+                span,
+                linear=False,
+                null=span,
+                least_form=2.0 * self.edge_strays * span,
+            ),
+            EffectParameter(
+                "hardening", "1/{position}", self.stiffens * usual, 0.0, self.hardest * usual, linear=False, null=0.0
             ),
         )
 
@@ -79,7 +99,9 @@ class EndStop(Effect):
 
     def _push(self, depth: FloatArray, speed: FloatArray, growth: FloatArray, values: Values) -> FloatArray:
         moved = values["damping"] * speed + values["inertia"] * growth
-        return np.maximum(values["stiffness"] * np.maximum(depth, 0.0) + moved * (depth > 0.0), 0.0)
+        pressed = np.maximum(depth, 0.0)
+        spring = values["stiffness"] * pressed * (1.0 + values["hardening"] * pressed)
+        return np.maximum(spring + moved * (depth > 0.0), 0.0)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["stiffness"] <= 0.0:
@@ -94,7 +116,9 @@ class EndStop(Effect):
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         _, (side, other) = _list_edges(values)
         travel = values["travel"] if _measure_reach(side, other, contexts) > 0.0 else 0.0
-        return EndStopTerm(values["stiffness"], values["edge"], values["side"], values["damping"], travel)
+        return EndStopTerm(
+            values["stiffness"], values["edge"], values["side"], values["damping"], travel, values["hardening"]
+        )
 
 
 def _list_edges(values: Values) -> tuple[tuple[float, float], tuple[float, float]]:
