@@ -145,7 +145,7 @@ def tell_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> t
     severity: Severity = "error" if share > _TOO_MANY else "warning" if share > _MANY else "note"
     why, advice = _explain_bad_rows(keep, channels)
     if severity == "note":
-        advice = "nothing to do: this was asked for"
+        advice = "nothing to do: they are few"
     return (
         Finding("bad_rows", severity, f"{bad.size} of {keep.size} rows were left out: {why}", advice, int(bad[0]) + 1),
     )
@@ -164,7 +164,8 @@ def _explain_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) 
     repeated = np.count_nonzero(np.diff(time) == 0.0)
     rate = find_row_rate(time[np.isfinite(time)])
     if repeated <= _MANY_REPEATED * time.size:
-        return "no finite number in every column, or no later time", "look at what the source holds there"
+        why = "no finite number in every column, or no later time" if any(empty.values()) else "no later time"
+        return why, "look at what the source holds there"
     return f"{repeated} are stamped as the one before, by a clock that is coarser than they are", _advise_rate(rate)
 
 

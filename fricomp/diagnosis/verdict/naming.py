@@ -16,7 +16,7 @@ from ..inputs.rigid import Spring
 from ..record.result import Change, Kind, Location, NamedEffect, Quantity
 from ..samples.sample_finding import SampleFinding
 
-_GAIN = "torque_gain_error"
+_GAIN, _OFFSET = "torque_gain_error", "torque_offset"
 _NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
 
 
@@ -53,13 +53,14 @@ def _list_shifts(findings: Findings) -> dict[str, Shift]:
     """Shifts that may be named, by name: an unexplained residual biases the fitted parameters, so none is then.
 
     Beside an effect that scales the torque by a factor of its own no gain is named: how the two share it is a matter
-    of form.
+    of form. Nor is a constant torque beside a spring, which has one where its centre is not at zero.
     """
     own = [one.effect for one in findings.effects if one.overtone_of is None]
-    scaled = any(effect.scales_torque for effect in own)
+    taken = {_GAIN} if any(effect.scales_torque for effect in own) else set[str]()
+    taken |= {_OFFSET} if any(effect.name == SPRING for effect in own) else set()
     shifts = () if findings.unknown else findings.comparison.shifts
     stay = [shift for shift in shifts if comes_again(findings.shift_shares, (shift.name, *shift.alike))]
-    return {shift.name: shift for shift in stay if not (scaled and shift.name == _GAIN)}
+    return {shift.name: shift for shift in stay if shift.name not in taken}
 
 
 def comes_again(shares: Mapping[str, float], names: Sequence[str]) -> bool:

@@ -23,7 +23,10 @@ class ExternalDisturbance(Effect):
     kind = "physics"
     equation = "tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k"
     citation = ""
-    says = "a torque from outside acts for a while; it is no function of the joint's state"
+    says = (
+        "a torque from outside acts for a while, given as what the motor bears, so that the push itself has the other "
+        "sign; it is no function of the joint's state"
+    )
     gain_share = 0.8  # Pushes in windows of time imitate anything that comes and goes.
     imitates_others = True
     end_step: ClassVar[float] = 0.05
