@@ -59,5 +59,5 @@ class EndStop(Term):
     def _push(self, depth: Scalar, speed: Scalar) -> Scalar:
         """Torque against going deeper, nothing outside."""
         damped = np.where(depth > 0.0, self.damping * speed, 0.0)
-        pressed = np.maximum(depth, 0.0)
+        pressed: Scalar = np.maximum(depth, 0.0)
         return np.maximum(self.stiffness * pressed * (1.0 + self.hardening * pressed) + damped, 0.0)
