@@ -91,8 +91,8 @@ def read_given(
     comparable = all(one.metadata.torque_unit in ("N·m", "N") for one in turned)
     if rigid is not None and not comparable:
         remarks.append(
-            f"The torque is in {turned[0].metadata.torque_unit}: inertia, gravity and any spring of the simulation "
-            "were not compared, they are fitted."
+            f"Careful: the torque is in {turned[0].metadata.torque_unit}: inertia, gravity and any spring of the "
+            "simulation were not compared, they are fitted; with a torque in N·m or N they are."
         )
     return Given(
         recordings=turned,
