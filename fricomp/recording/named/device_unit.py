@@ -77,9 +77,11 @@ def refuse_axis(path: Path, column: str, meaning: ColumnMeaning, values: Samples
     way = float(np.ptp(known)) if known.size else 0.0
     if meaning.unit or not is_of_axis(column) or way < _FAR:
         return
+    counts = bool(np.all(known == np.round(known)))
+    what = "scale = 6.2832/COUNTS_A_TURN } with the number worked out" if counts else 'unit = "deg" }'
     raise RecordingError(
         f"{path}: {column!r} is in the unit of its axis, and covers {way:.4g}, far for rad: say in a mapping which it "
-        f'is, such as position = {{ column = {column!r}, unit = "deg" }}, or "rad", or "mm" and motion = "linear" '
+        f'is, such as position = {{ column = {column!r}, {what}, or "rad", or "mm" and motion = "linear" '
         "('fricomp convert LOG --inspect --out log.toml' begins one)"
     )
 

@@ -73,3 +73,11 @@ def test_the_mapping_to_edit_asks_for_rating_and_unit(tmp_path: Path) -> None:
     text = inspect_log(path).guess
     assert 'torque = { column = "Axis01.TorqueFeedback", scale = RATED/100 }' in text
     assert 'position = { column = "Axis01.ActualPosition", scale = VALUE_OF_ONE }' in text
+
+
+def test_an_axis_in_whole_numbers_asks_for_the_counts_of_a_turn(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    table = np.stack([_TIME, np.round(65536.0 / (2.0 * np.pi) * _POSITION), _TORQUE], axis=1)
+    np.savetxt(path, table, fmt="%.6g", delimiter=",", header="time [s],ActualPosition,torque [Nm]", comments="")
+    with pytest.raises(RecordingError, match=r"scale = 6\.2832/COUNTS_A_TURN \}"):
+        read_recording(path)
