@@ -27,7 +27,7 @@ _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; th
 _ONE_RATE = 1.5  # quotient of two sample rates up to which they share one grid
 _LONGEST_BRIDGE = 0.03  # [s] shorter than a row of the residual
 _MOST_BRIDGED = 0.01  # of the time
-_NOT_SEARCHED = "of which stretches from all of its time were searched, and the answer was held against the rest"
+_NOT_SEARCHED = "of which stretches from all of its time were searched"
 
 
 class Usable(NamedTuple):

@@ -60,6 +60,8 @@ class InputSettings:
     late_left: float = 0.5
     """Part that a delay leaves of what a rigid joint misses of the torque, below which the search starts from that
     delay as well: no fit of small steps finds it, where the torque turns faster than it comes."""
+    longest_simulated: float = 1.0 / 60.0
+    """Sample period up to which recordings are searched by simulations [s]; slower ones by the torque in their band."""
     most_samples: int = 240_000
     """Samples of all recordings that are searched, on the grid of the simulations. Twice as many cost twice the time
     and memory, and narrow intervals by a third."""

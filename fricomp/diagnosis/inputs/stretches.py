@@ -72,10 +72,16 @@ def choose_stretches(sources: Sequence[Sequence[Recording]]) -> list[list[Stretc
     """
     every = [part for parts in sources for part in parts]
     total = sum(part.duration for part in every)
-    most = INPUT.most_samples * (choose_step(every) if every else 1.0)
+    most = INPUT.most_samples * _choose_period(every)
     if total <= INPUT.searched_whole * most:
         return [_keep_whole(parts) for parts in sources]
     return [_cut(parts, most * sum(part.duration for part in parts) / total) for parts in sources]
+
+
+def _choose_period(recordings: Sequence[Recording]) -> float:
+    """Time that a sample of a search stands for [s]: a step of the simulation, or a row where nothing is simulated."""
+    periods = [one.sample_period for one in recordings]
+    return max(periods) if max(periods) > INPUT.longest_simulated else choose_step(recordings)
 
 
 def _keep_whole(parts: Sequence[Recording]) -> list[Stretch]:

@@ -237,7 +237,7 @@ def _write(given: Given, motion: RecordedMotion, found: _Found, remarks: Sequenc
     plain = (last if not physics else base).model
     delivery = deliver_models(
         given.recordings, _judge_model(plain, motion), None if extended is None else _judge_model(extended, motion),
-        [name for name in missing if physics and name != "torque_delay"], names=names,
+        [name for name in missing if physics and name != "torque_delay"], names=names, whole=given.whole,
     )  # fmt: skip
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
@@ -262,7 +262,7 @@ def _write(given: Given, motion: RecordedMotion, found: _Found, remarks: Sequenc
             *(f"{name} is not named: {why}." for name, why in against.items()),
             *_list_facts(given, motion, last, torque),
         ),
-        remarks=(*given.remarks, *remarks),
+        remarks=(*given.remarks, *remarks, *delivery.remarks),
     )
     return Diagnosis(
         record=write_record(fields, notes),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..inputs.settings import INPUT
+
 
 @dataclass(frozen=True)
 class LowRateSettings:
     """How recordings are diagnosed that are too slow for the rows of the residual."""
 
-    longest_period: float = 1.0 / 60.0
+    longest_period: float = INPUT.longest_simulated
     """Sample period above which this stage takes over [s]. The rows of the residual see 42 ms: with fewer than three
     samples in them the simulated joint is interpolation."""
     matters: float = 0.05

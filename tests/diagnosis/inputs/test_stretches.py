@@ -50,6 +50,13 @@ def test_what_is_not_long_is_searched_whole() -> None:
     assert found[0].past is None
 
 
+def test_what_is_too_slow_to_be_simulated_is_searched_whole() -> None:
+    recording = _record(400.0)
+    slow = recording.rows(slice(None, None, 10))
+    (found,) = choose_stretches([[slow]])
+    assert [one.recording for one in found] == [slow]
+
+
 def test_stretches_are_bounded_and_come_from_all_of_the_time() -> None:
     spans = _spans(choose_stretches([[_record(600.0)]])[0])
     assert sum(end - start for start, end in spans) == pytest.approx(60.0, abs=2.0)
@@ -78,7 +85,7 @@ def test_what_is_searched_is_told_and_the_whole_is_kept() -> None:
     assert sum(map(len, usable.whole)) == len(recording)
     (said,) = usable.remarks
     assert said.startswith("Used: 60")
-    assert "held against the rest" in said
+    assert "stretches from all of its time" in said
 
 
 def test_a_stretch_is_as_warm_as_the_whole_is_there() -> None:
