@@ -95,10 +95,11 @@ def _describe_rest(windows: Sequence[_Window], unit: str) -> list[str]:
         float(np.sqrt(np.average([one.error**2 for one in side], weights=[one.rows for one in side])))
         for side in (rest, seen)
     ]
-    time = sum(one.end - one.start for one in rest)
+    times = [sum(one.end - one.start for one in side) for side in (rest, seen)]
     said = (
-        f"In {time:.4g} s that were not searched friction.json leaves {errors[0]:.3g} {unit} of the torque of a joint "
-        f"that slides, in what was searched {errors[1]:.3g} {unit}."
+        f"Careful: of a long recording {times[1]:.4g} s were searched, in stretches from all of its time; in the other "
+        f"{times[0]:.4g} s friction.json leaves {errors[0]:.3g} {unit} of the torque of a joint that slides, in these "
+        f"{errors[1]:.3g} {unit}."
     )
     return [said]
 
