@@ -93,11 +93,13 @@ class PrintedForm(NamedTuple):
     """One of the forms of an effect that has several, as an answer prints it.
 
     Attributes:
+        says: What is missing, in words.
         equation: Its law.
         numbers: Factor from each fitted number that stands in it to the printed one, and the unit of that, with
             `{torque}` and `{position}`. Other numbers are not printed.
     """
 
+    says: str
     equation: str
     numbers: Mapping[str, tuple[float, str]]
 

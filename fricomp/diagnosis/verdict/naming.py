@@ -77,8 +77,8 @@ def _name_chosen(findings: Findings, one: EffectEvidence, same: Shift | None, ex
     effect, all_energy = one.effect, sum(each.energy for each in findings.effects)
     drawn = [e for e in findings.effects if e.overtone_of is not None and e.overtone_of.name == effect.name]
     tones = [e.overtone_of.order for e in drawn if e.overtone_of is not None]
-    says = effect.says + "".join(f"; its form shows at the order {order:.4g} too" for order in tones)
-    equation, numbers = _print_form(findings, one)
+    says, equation, numbers = _print_form(findings, one)
+    says += "".join(f"; its form shows at the order {order:.4g} too" for order in tones)
     words = SpringWords(effect.kind, numbers, says, equation)
     if effect.name == SPRING:
         words = describe_spring(words, findings.case.spring)
@@ -96,13 +96,13 @@ def _name_chosen(findings: Findings, one: EffectEvidence, same: Shift | None, ex
     )
 
 
-def _print_form(findings: Findings, one: EffectEvidence) -> tuple[str, dict[str, Quantity]]:
-    """The equation of an effect in the form that was found, and the numbers that stand in it."""
+def _print_form(findings: Findings, one: EffectEvidence) -> tuple[str, str, dict[str, Quantity]]:
+    """What an effect says in the form that was found, its equation there, and the numbers that stand in it."""
     values = {name: quantity.value for name, quantity in one.parameters.items()}
     chosen, unit, position = findings.chosen, findings.case.unit, findings.case.position_unit
     form = None if chosen is None else one.effect.choose_form(values, chosen.structure.contexts)
     if form is None:
-        return one.effect.equation, one.parameters
+        return one.effect.says, one.effect.equation, one.parameters
     numbers = {}
     for name, (factor, of) in form.numbers.items():
         if name in one.parameters:
@@ -110,7 +110,7 @@ def _print_form(findings: Findings, one: EffectEvidence) -> tuple[str, dict[str,
             low, high = fitted.ci95
             printed = of.replace("{torque}", unit).replace("{position}", position)
             numbers[name] = Quantity(factor * fitted.value, printed, (factor * low, factor * high), fitted.at_bound)
-    return form.equation, numbers
+    return form.says, form.equation, numbers
 
 
 def _name_shift(findings: Findings, shift: Shift, share: float, location: Location) -> NamedEffect:

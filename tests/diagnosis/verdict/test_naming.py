@@ -8,11 +8,12 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.evidence.comparison import Comparison, Shift
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.overtone import Overtone
+from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.inputs.rigid import Spring
 from fricomp.diagnosis.record.result import NamedEffect, Quantity
 from fricomp.diagnosis.verdict.naming import SpringWords, compare_spring, describe_spring, name_effects
 
-from ..known import known_baseline, known_case, known_findings
+from ..known import known_baseline, known_case, known_findings, known_fit
 
 _LOAD = Shift("payload_error", {}, "the load is not the simulation's", alike=("torque_gain_error",))
 _OFFSET = Shift("torque_offset", {"offset": Quantity(0.1, "N·m", (0.0, 0.2))}, "a constant torque is missing")
@@ -109,3 +110,26 @@ def test_the_centre_of_a_straight_spring_is_no_number_and_that_of_one_that_stiff
     stiffens = _named(1.5, 0.1, (0.2, 0.4))
     assert describe_spring(stiffens, None) == stiffens
     assert "centre" not in describe_spring(_named(-1.5, 0.1), Spring((2.0,))).parameters
+
+
+def test_a_constant_torque_beside_a_spring_is_its_centre_and_not_named() -> None:
+    numbers = {name: Quantity(1.0, "1", (0.9, 1.1)) for name in ("stiffness", "centre", "hardening")}
+    spring = EffectEvidence(EFFECTS["spring_torque"], numbers, 1.0, {}, (), None)
+    named = name_effects(known_findings(known_baseline(), effects=(spring,), comparison=Comparison((_OFFSET,))), 0.8)
+    assert [one.name for one in named] == ["spring_torque"]
+
+
+@pytest.mark.parametrize(("split", "unit"), [(0.0, "1/N·m"), (1.0, "N·m/N·m")])
+def test_of_two_forms_that_which_was_found_is_printed_with_its_own_number(split: float, unit: str) -> None:
+    """The driving form is fitted in the joint's usual load, which no equation has."""
+    baseline = known_baseline()
+    chosen = known_fit(baseline, ["load_quadratic"], 100.0)
+    load = 1.0 if split == 0.0 else chosen.structure.contexts[0].usual_load
+    numbers = {"coefficient": Quantity(0.02, "1/N·m", (0.01, 0.03)), "split": Quantity(split, "1", (split, split))}
+    found = EffectEvidence(EFFECTS["load_quadratic"], numbers, 1.0, {}, (), None)
+    (named,) = name_effects(known_findings(baseline, effects=(found,), trial=Trial(chosen=chosen)), 0.8)
+    (only,) = named.parameters.values()
+    assert (only.value, *only.ci95) == pytest.approx((0.02 * load, 0.01 * load, 0.03 * load))
+    assert only.unit == unit
+    assert ("[tau_l v > 0]" in named.equation) == (split == 1.0)
+    assert " or " not in named.equation

@@ -51,9 +51,11 @@ class LoadQuadratic(Effect):
     def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm:
         curved, share = values["split"] < 0.5, {"inertia_share": (1.0, "1")}
         if curved:
-            return PrintedForm("tau_f = c_q tau_l^2 sgn(v)", {"coefficient": (1.0, "1/{torque}"), **share})
-        driving = contexts[0].usual_load, "{torque}/{torque}"
-        return PrintedForm("tau_f = c_d |tau_l| [tau_l v > 0] sgn(v)", {"coefficient": driving, **share})
+            numbers = {"coefficient": (1.0, "1/{torque}"), **share}
+            return PrintedForm("friction grows with the square of the load", "tau_f = c_q tau_l^2 sgn(v)", numbers)
+        numbers = {"coefficient": (contexts[0].usual_load, "{torque}/{torque}"), **share}
+        says = "friction under load differs between driving and braking"
+        return PrintedForm(says, "tau_f = c_d |tau_l| [tau_l v > 0] sgn(v)", numbers)
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         if values["split"] < 0.5:
