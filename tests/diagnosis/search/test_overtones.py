@@ -15,19 +15,29 @@ from fricomp.recording import Recording
 
 from ..toy_joint import ToyJoint, record
 
-_ORDER, _SIZE = 18.0, 0.12
+_SIZE = 0.12
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "overtone"), [("cogging", 0.06), ("cogging", 0.0), ("torque_ripple", 0.06)])
-def test_an_overtone_belongs_to_its_ripple_where_it_takes_much_of_what_is_left(name: str, overtone: float) -> None:
-    """Beside another effect that is missing, so that a pure wave leaves much as well."""
-    columns = record(ToyJoint(gravity=1.0, quadratic_drag=0.3), "rich", 20.0)
+@pytest.mark.parametrize(
+    ("name", "overtone", "drag", "order"),
+    [
+        ("cogging", 0.06, 0.3, 18.0),  # beside another effect that is missing, so that a pure wave leaves much as well
+        ("cogging", 0.0, 0.3, 18.0),
+        ("torque_ripple", 0.06, 0.3, 18.0),
+        ("torque_ripple", 0.0, 0.0, 18.0),  # its square is no overtone
+        ("cogging", 0.06, 0.0, 120.0),  # so fine that it has made the noise loud, and nothing is left above that
+    ],
+)
+def test_an_overtone_belongs_to_its_ripple_where_it_takes_much_of_what_is_left(
+    name: str, overtone: float, drag: float, order: float
+) -> None:
+    columns = record(ToyJoint(gravity=1.0, quadratic_drag=drag), "rich", 20.0)
     q = columns["true_position"]
-    ripple = _SIZE * np.sin(_ORDER * q) + overtone * np.sin(2.0 * _ORDER * q + 1.0)
+    ripple = _SIZE * np.sin(order * q) + overtone * np.sin(2.0 * order * q + 1.0)
     torque = columns["torque"] + ripple if name == "cogging" else columns["torque"] / (1.0 - ripple)
     baseline = _prepare(Recording(columns["time"], columns["position"], torque))
-    wave = Candidate(name, (("order", _ORDER),))
+    wave = Candidate(name, (("order", order),))
     pure = Structure(baseline.structure.contexts, (wave,))
     (before,) = fit_from(baseline, [(pure, baseline.fit.theta)], baseline.box)
     found = fit_overtones(baseline, [before], 30.0)
