@@ -1,4 +1,4 @@
-"""What every recording must satisfy: equal lengths, finite samples, time that moves forward."""
+"""What every recording must satisfy: equal lengths, finite samples of some size, time that moves forward."""
 
 from collections.abc import Mapping
 
@@ -15,6 +15,7 @@ _JITTER = 10.0  # periods by which a stamp may lie before an earlier one: comput
 _MANY_STAMPED_BACK = 0.5  # part of the rows of a clock that jitters which may have no later stamp than one before
 _LONGER_BESIDE = 2.5  # usual steps over a repeated stamp and those beside it: 3, or 2 where a row came between
 _SHORTEST_PERIOD = 1e-9  # [s]: stamps of the finest clocks differ by as much
+_LARGEST = 1e60  # no sensor reads as much in any unit, and the powers of it that checks take are finite
 _MANY_REPEATED = 0.2  # part of the rows with the stamp of the one before, above which the clock is coarse
 
 
@@ -34,7 +35,7 @@ def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
 
 
 def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
-    """Return the rows whose samples are all finite and whose time goes on.
+    """Return the rows whose samples are all finite, and no larger than any reading, and whose time goes on.
 
     Stamps far from all others, or out of order, cost their own rows alone.
 
@@ -46,7 +47,7 @@ def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
     """
     keep = np.ones(channels["time"].size, dtype=bool)
     for values in channels.values():
-        keep &= np.isfinite(values)
+        keep &= _find_readings(values)
     keep[keep] = find_rising(channels["time"] if keep.all() else channels["time"][keep])
     return keep
 
@@ -153,7 +154,7 @@ def tell_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> t
 
 def _explain_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> tuple[str, str]:
     """What most of the rows that do not stay lack, and what to do."""
-    empty = {name: int(np.count_nonzero(~np.isfinite(values))) for name, values in channels.items()}
+    empty = {name: int(np.count_nonzero(~_find_readings(values))) for name, values in channels.items()}
     most = max(empty, key=lambda name: empty[name])
     if 2 * empty[most] >= np.count_nonzero(~keep):
         return (
@@ -200,15 +201,21 @@ def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
     )
 
 
+def _find_readings(values: Samples) -> NDArray[np.bool_]:
+    """Which samples a sensor may have read. Shape (n_samples,)."""
+    return np.abs(values) < _LARGEST
+
+
 def _find_not_finite(name: str, values: Samples) -> Finding | None:
-    bad = np.flatnonzero(~np.isfinite(values))
+    bad = np.flatnonzero(~_find_readings(values))
     if not bad.size:
         return None
     if bad.size == values.size:
         advice = "leave the column out" if name not in {"time", "position", "torque"} else "record it, it is required"
     else:
         advice = "remove these rows (fricomp convert --skip-bad-rows) or leave the column out"
-    message = f"{values[bad[0]]} is not a finite number ({bad.size} of {values.size} rows)"
+    what = "larger than any reading" if np.isfinite(values[bad[0]]) else "not a finite number"
+    message = f"{values[bad[0]]} is {what} ({bad.size} of {values.size} rows)"
     return Finding("not_finite", "error", message, advice, int(bad[0]) + 1, name)
 
 

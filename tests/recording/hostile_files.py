@@ -199,7 +199,8 @@ def _read_in_child(name: str, count: int, seed: int, first: int) -> Outcome:
             done = subprocess.run(command, check=False, capture_output=True, text=True)
             for line in done.stdout.splitlines():
                 often, _, what = line.partition(" ")
-                found[what] += int(often)
+                if often.isdigit():  # libraries in other languages write there too
+                    found[what] += int(often)
             if not done.returncode:
                 break
             found[f"the reader died with {done.returncode}, copy {at.read_text()}"] += 1

@@ -24,10 +24,13 @@ def test_arrays_are_float64_copies_that_cannot_be_written(make_recording: MakeRe
         recording.position[0] = 1.0
 
 
-def test_not_finite_sample_is_refused_with_row_column_and_advice(make_recording: MakeRecording) -> None:
+@pytest.mark.parametrize(("value", "said"), [(np.nan, "nan is not a finite"), (-1e300, "-1e\\+300 is larger than any")])
+def test_what_is_no_reading_is_refused_with_row_column_and_advice(
+    make_recording: MakeRecording, value: float, said: str
+) -> None:
     torque = np.zeros(100)
-    torque[41] = np.nan
-    with pytest.raises(RecordingError, match=r"row 42, column torque: nan .* --skip-bad-rows"):
+    torque[41] = value
+    with pytest.raises(RecordingError, match=rf"row 42, column torque: {said} .* --skip-bad-rows"):
         make_recording(100).with_channels(torque=torque)
 
 
