@@ -104,7 +104,7 @@ def test_bad_input_is_bad_data_and_never_a_name(
 @pytest.mark.parametrize(
     ("case", "says"),
     [
-        pytest.param("standstill", "12998 rows of long rests", marks=pytest.mark.slow),
+        pytest.param("standstill", "13999 rows of long rests", marks=pytest.mark.slow),
         ("two sample rates", "it changes from 500 to 125 Hz"),
     ],
 )
