@@ -10,12 +10,14 @@ from fricomp.recording.stamps import find_rising, find_row_rate
 
 Samples = NDArray[np.float64]
 
+LARGEST = 1e60
+"""No sensor reads as much in any unit, and the powers of it that checks take are finite."""
+
 _MANY, _TOO_MANY = 0.01, 0.2  # parts of the rows that were left out
 _JITTER = 10.0  # periods by which a stamp may lie before an earlier one: computers are late at times
 _MANY_STAMPED_BACK = 0.5  # part of the rows of a clock that jitters which may have no later stamp than one before
 _LONGER_BESIDE = 2.5  # usual steps over a repeated stamp and those beside it: 3, or 2 where a row came between
 _SHORTEST_PERIOD = 1e-9  # [s]: stamps of the finest clocks differ by as much
-_LARGEST = 1e60  # no sensor reads as much in any unit, and the powers of it that checks take are finite
 _MANY_REPEATED = 0.2  # part of the rows with the stamp of the one before, above which the clock is coarse
 
 
@@ -203,7 +205,7 @@ def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
 
 def _find_readings(values: Samples) -> NDArray[np.bool_]:
     """Which samples a sensor may have read. Shape (n_samples,)."""
-    return np.abs(values) < _LARGEST
+    return np.abs(values) < LARGEST
 
 
 def _find_not_finite(name: str, values: Samples) -> Finding | None:

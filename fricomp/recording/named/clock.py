@@ -12,7 +12,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import Samples
+from fricomp.recording.validity import LARGEST, Samples
 
 from .choice import list_names
 from .column import read_column_name
@@ -123,7 +123,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     if not names:
         if period:
             return _count_rows(path, *period.popitem(), rows)
-        steps = next((name for name in columns if says_steps(name) and np.all(columns[name] >= 0.0)), "")
+        steps = next((name for name in columns if says_steps(name) and _are_steps(columns[name])), "")
         if steps:
             _require_times(path, steps, columns[steps])
             unit = _read_unit(steps) or _guess_unit(np.cumsum(columns[steps]))
@@ -143,6 +143,11 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     finite = _require_times(path, names[0], time)
     unit = _read_unit(names[0]) or _guess_unit(finite)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+
+
+def _are_steps(values: Samples) -> bool:
+    """Whether no number of a column goes back in time, or is larger than any reading."""
+    return bool(np.all((values >= 0.0) & (values < LARGEST)))
 
 
 def _count_rows(path: Path, name: str, period: Samples, rows: int) -> RowTimes:

@@ -217,7 +217,7 @@ def _build(
     usable, left_out = drop_bad_rows(table)
     findings += wrapped + twins + late + held + left_out
     if own["position"][0] == INTEGRAL:
-        usable["position"] = integrate(usable["velocity"], usable["time"])
+        usable["position"] = integrate(usable["position"], usable["time"])  # the velocity, until here
     if usable["time"].size < 2:
         if not findings:
             raise RecordingError(f"{path} has fewer than two rows with both a position and a torque: record longer")

@@ -247,6 +247,13 @@ def test_a_single_period_beside_columns_without_a_time_is_that_of_their_rows(
     np.testing.assert_allclose(found.torque, TORQUE)
 
 
+def test_steps_of_time_beyond_all_numbers_are_refused(tmp_path: Path) -> None:
+    steps = np.full(POSITION.size, 1e308)
+    np.savez(tmp_path / "log.npz", dt=steps, q=POSITION, tau=TORQUE)
+    with pytest.raises(RecordingError):
+        read_content(tmp_path / "log.npz")
+
+
 @pytest.mark.parametrize("name", ["Kt", "log.Kt_NmA", "motor.torque_constant"])
 def test_a_current_beside_its_torque_constant_is_taken_and_what_makes_a_torque_of_it_is_told(
     name: str, tmp_path: Path

@@ -149,6 +149,15 @@ def test_a_velocity_without_a_position_is_integrated(names: list[str], tmp_path:
     assert found.recording.position == pytest.approx(content.recording.position, abs=1e-9)
 
 
+def test_a_velocity_that_no_row_has_beside_a_torque_is_refused(tmp_path: Path) -> None:
+    first = np.arange(N_ROWS) < 1
+    path = write(tmp_path / "log.csv", ["t", "dq", "tau"], [TIME, np.where(first, np.nan, VELOCITY), TORQUE])
+    np.testing.assert_allclose(read_content(path).recording.time.size, N_ROWS - 1)
+    alone = write(tmp_path / "b.csv", ["t", "dq", "tau"], [TIME[:2], [np.nan, 1.0], [1.0, np.nan]])
+    with pytest.raises(RecordingError, match="fewer than two rows"):
+        read_content(alone)
+
+
 def test_rows_of_joints_in_turns_are_the_log_of_these_joints(tmp_path: Path) -> None:
     joints = ["left", "right"] * N_ROWS
     position = np.stack([POSITION, -POSITION], axis=1).ravel()
