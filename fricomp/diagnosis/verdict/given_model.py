@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 
@@ -49,14 +49,7 @@ def _even_out(case: Case, model: FrictionModel) -> FrictionModel | None:
     (term, *others), dynamics = model.law.terms, model.dynamics
     if case.friction is not None or not isinstance(term, BidirectionalStribeck) or dynamics is None:
         return None
-    numbers = zip(*(_list_numbers(curve) for curve in (term.forward, term.reverse)), strict=True)
+    numbers = zip(astuple(term.forward), astuple(term.reverse), strict=True)
     even = StribeckCurve(*(float(np.mean(pair)) for pair in numbers))
     offset = 0.0 if case.rigid is None else case.rigid.offset
     return replace(model, law=FrictionLaw((Stribeck(even), *others)), dynamics=replace(dynamics, offset=offset))
-
-
-def _list_numbers(curve: StribeckCurve) -> tuple[float, ...]:
-    return (
-        curve.coulomb_torque, curve.static_torque, curve.stribeck_velocity, curve.viscous_coefficient,
-        curve.stribeck_exponent,
-    )  # fmt: skip
