@@ -49,7 +49,7 @@ def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
     """
     keep = np.ones(channels["time"].size, dtype=bool)
     for values in channels.values():
-        keep &= _find_readings(values)
+        keep &= find_readings(values)
     keep[keep] = find_rising(channels["time"] if keep.all() else channels["time"][keep])
     return keep
 
@@ -156,7 +156,7 @@ def tell_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> t
 
 def _explain_bad_rows(keep: NDArray[np.bool_], channels: Mapping[str, Samples]) -> tuple[str, str]:
     """What most of the rows that do not stay lack, and what to do."""
-    empty = {name: int(np.count_nonzero(~_find_readings(values))) for name, values in channels.items()}
+    empty = {name: int(np.count_nonzero(~find_readings(values))) for name, values in channels.items()}
     most = max(empty, key=lambda name: empty[name])
     if 2 * empty[most] >= np.count_nonzero(~keep):
         return (
@@ -203,13 +203,13 @@ def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
     )
 
 
-def _find_readings(values: Samples) -> NDArray[np.bool_]:
+def find_readings(values: Samples) -> NDArray[np.bool_]:
     """Which samples a sensor may have read. Shape (n_samples,)."""
     return np.abs(values) < LARGEST
 
 
 def _find_not_finite(name: str, values: Samples) -> Finding | None:
-    bad = np.flatnonzero(~_find_readings(values))
+    bad = np.flatnonzero(~find_readings(values))
     if not bad.size:
         return None
     if bad.size == values.size:

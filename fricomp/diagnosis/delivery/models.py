@@ -105,7 +105,7 @@ def deliver_models(
         held = [evaluate_folds(name, one.folds, motion) for name, one in zip((_BASE, _NAMED), models, strict=False)]
         every = join_motions([read_motion(one, band=band) for one in whole]) if whole else motion
         error = measure_torque_error(models[-1].model, every)
-        remarks = _look(models[-1].model, whole, recordings, band, missing)
+        remarks = look_over_whole(models[-1].model, whole, recordings, band, complete=not missing)
     except (RecordingError, ParameterError, np.linalg.LinAlgError):
         return Delivery(base, extended)
     errors = FileErrors(
@@ -128,12 +128,6 @@ def deliver_models(
         motion,
         tuple(remarks),
     )
-
-
-def _look(
-    model: FrictionModel, whole: Sequence[Recording], searched: Sequence[Recording], band: float, missing: Sequence[str]
-) -> list[str]:
-    return look_over_whole(model, whole, searched, band, complete=not missing) if whole else []
 
 
 @dataclass(frozen=True)

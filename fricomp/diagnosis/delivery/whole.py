@@ -35,11 +35,13 @@ def look_over_whole(
 
     Args:
         model: As it is written.
-        whole: All that is usable, on the joint's side.
+        whole: All that is usable, on the joint's side; empty where all of it was searched, of which nothing is said.
         searched: Stretches of it.
         band: Upper end of the band of torque errors [Hz].
         complete: Whether the model holds all that was named; what it leaves at times says nothing where it does not.
     """
+    if not whole:
+        return []
     windows, said = list[_Window](), list[str]()
     for number in dict.fromkeys(one.metadata.extra[PART_OF] for one in whole):
         parts = [one for one in whole if one.metadata.extra[PART_OF] == number]

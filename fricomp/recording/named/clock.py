@@ -12,7 +12,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import LARGEST, Samples
+from fricomp.recording.validity import Samples, find_readings
 
 from .choice import list_names
 from .column import read_column_name
@@ -147,7 +147,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
 
 def _are_steps(values: Samples) -> bool:
     """Whether no number of a column goes back in time, or is larger than any reading."""
-    return bool(np.all((values >= 0.0) & (values < LARGEST)))
+    return bool(np.all(find_readings(values) & (values >= 0.0)))
 
 
 def _count_rows(path: Path, name: str, period: Samples, rows: int) -> RowTimes:
