@@ -17,7 +17,7 @@ from fricomp.diagnosis.joint.base import BASE_NAMES, pack
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.diagnosis.joint.solver import Fit
 from fricomp.diagnosis.search.explanation import Explanation, find_refusal
-from fricomp.laws import OperatingPoint
+from fricomp.laws import FrictionLaw, OperatingPoint
 
 CATALOGUE = sorted(EFFECTS)
 
@@ -114,7 +114,18 @@ def test_friction_may_differ_either_way_between_driving_and_braking(context: Con
     assert EFFECTS["load_quadratic"].refuse(values, [context]) is None
 
 
-@pytest.mark.parametrize("split", [0.0, 1.0])
+@pytest.mark.parametrize("split", [0.0, 1.0, 2.0])
+def test_friction_of_driving_or_braking_is_the_same_in_the_file(split: float, context: Context) -> None:
+    values = {"coefficient": 0.02, "split": split, "inertia_share": 0.0}
+    effect = EFFECTS["load_quadratic"]
+    law = FrictionLaw(effect.build_terms(values, context.plant, [context]))
+    own = np.sign(context.velocity) * effect.compute_contribution(context, values).level
+    moving = context.velocity != 0.0
+    filed = np.asarray(law.torque(context.velocity, load_torque=context.load_torque))
+    np.testing.assert_allclose(filed[moving], own[moving])
+
+
+@pytest.mark.parametrize("split", [0.0, 1.0, 2.0])
 def test_friction_under_load_is_that_of_the_joint_in_every_recording(split: float, context: Context) -> None:
     values = {"coefficient": 0.01, "split": split, "inertia_share": 0.0}
     slight = replace(context, position=0.2 * context.position, load_torque=0.2 * context.load_torque)

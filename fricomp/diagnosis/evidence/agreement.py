@@ -136,9 +136,16 @@ def _fit_held(baseline: Baseline, near: Sequence[Explanation], rigid: RigidJoint
         settled = sorted(one.settled, key=lambda candidate: candidate.name)
         forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
         contexts = one.structure.move_contexts(np.concatenate([theta, one.fit.theta[N_BASE:]]))
-        starts = islice(product(*forms), AGREEMENT.most_starts)
-        wanted += [(Structure(contexts, tuple(candidates)), theta) for candidates in starts]
+        starts = islice(_order_choices([len(each) for each in forms]), AGREEMENT.most_starts)
+        chosen = (tuple(each[i] for each, i in zip(forms, choice, strict=True)) for choice in starts)
+        wanted += [(Structure(contexts, candidates), theta) for candidates in chosen]
     return fit_from(baseline, wanted, box)
+
+
+def _order_choices(counts: Sequence[int]) -> list[tuple[int, ...]]:
+    """One of each, as indices: first those in which few differ from the first one, and first by the first of others."""
+    choices = product(*(range(count) for count in counts))
+    return sorted(choices, key=lambda choice: (sum(i > 0 for i in choice), max(choice, default=0)))
 
 
 def _list_other_forms(contexts: Sequence[Context], name: str) -> list[Candidate]:

@@ -16,7 +16,7 @@ from fricomp.diagnosis.joint.observer import Plant
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.3, 2.9, 0.04, 1.2), 4e4)
 _MEMORYLESS: dict[str, list[dict[str, float]]] = {
     "load_coulomb": [{"inertia_share": 0.6}],
-    "load_quadratic": [{"split": 0.0, "inertia_share": 0.6}, {"split": 1.0, "inertia_share": 0.6}],
+    "load_quadratic": [{"split": split, "inertia_share": 0.6} for split in (0.0, 1.0, 2.0)],
     "load_stribeck": [{"inertia_share": 0.6}],
     "position_coulomb": [{"order": 3.0, "cosine": 0.0}],
     "cogging": [{"order": 7.0, "cosine": 0.0}],
@@ -73,7 +73,7 @@ def test_the_table_has_the_pairs_that_rank_shows() -> None:
         for (one, a), (other, b) in combinations(forms, 2)
         if one != other and _are_one([_column(one, a, at), _column(other, b, at)], base)
     ]
-    assert found == [(each.one, each.other) for each in IDENTITIES]
+    assert found == [(each.one, each.other) for each in IDENTITIES for _ in ("driving", "braking")]
 
 
 def test_no_effect_without_a_memory_is_in_the_base() -> None:
@@ -84,31 +84,34 @@ def test_no_effect_without_a_memory_is_in_the_base() -> None:
             assert not _are_one([_column(name, form, at)], base), name
 
 
-def test_twice_the_coefficient_turns_one_into_the_other() -> None:
+@pytest.mark.parametrize(("split", "sign_of_load"), [(1.0, -1.0), (2.0, 1.0)])
+def test_twice_the_coefficient_turns_one_into_the_other(split: float, sign_of_load: float) -> None:
     at = _generic_points()
     (identity,) = IDENTITIES
     load = at.load_torque + 0.6 * _PLANT.inertia * at.acceleration
     share = {"inertia_share": 0.6}
     one = EFFECTS[identity.one].compute_contribution(at, {"coefficient": 0.1, **share})
     other = EFFECTS[identity.other].compute_contribution(
-        replace(at, usual_load=1.0), {"coefficient": 0.2, "split": 1.0, **share}
+        replace(at, usual_load=1.0), {"coefficient": 0.2, "split": split, **share}
     )
     sign = np.sign(at.velocity)
-    np.testing.assert_allclose(sign * one.level, sign * other.level - 0.1 * load, atol=1e-12)
+    np.testing.assert_allclose(sign * one.level, sign * other.level + sign_of_load * 0.1 * load, atol=1e-12)
 
 
-@pytest.mark.parametrize(("split", "same"), [(1.0, True), (0.0, False)])
-def test_only_the_form_that_a_driving_load_makes_is_the_same(split: float, same: bool) -> None:
+@pytest.mark.parametrize(("split", "same"), [(1.0, True), (2.0, True), (0.0, False)])
+def test_only_the_forms_of_driving_and_braking_are_the_same(split: float, same: bool) -> None:
     values = {"load_coulomb": {"coefficient": 0.1}, "load_quadratic": {"coefficient": 0.01, "split": split}}
     assert (find_identity(values) is not None) == same
 
 
-def test_a_twin_is_the_same_torque_with_more_gravity() -> None:
+@pytest.mark.parametrize(("split", "gravity"), [(1.0, 1.45), (2.0, 0.55)])
+def test_a_twin_is_the_same_torque_with_another_gravity(split: float, gravity: float) -> None:
     at = replace(_generic_points(), usual_load=6.0)
-    own = {"coefficient": 0.15, "split": 1.0, "inertia_share": 0.0}
+    own = {"coefficient": 0.15, "split": split, "inertia_share": 0.0}
     twin = find_twin({"load_quadratic": own}, at.usual_load)
     assert twin is not None
     assert twin.values["inertia_share"] == 0.0
+    assert twin.gravity == pytest.approx(gravity)
     driving = EFFECTS["load_quadratic"].compute_contribution(at, own).level * np.sign(at.velocity) + at.load_torque
     more = replace(at, load_torque=twin.gravity * at.load_torque)
     level = EFFECTS["load_coulomb"].compute_contribution(more, twin.values).level

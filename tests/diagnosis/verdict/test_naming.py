@@ -119,9 +119,9 @@ def test_a_constant_torque_beside_a_spring_is_its_centre_and_not_named() -> None
     assert [one.name for one in named] == ["spring_torque"]
 
 
-@pytest.mark.parametrize(("split", "unit"), [(0.0, "1/N·m"), (1.0, "N·m/N·m")])
+@pytest.mark.parametrize(("split", "unit"), [(0.0, "1/N·m"), (1.0, "N·m/N·m"), (2.0, "N·m/N·m")])
 def test_of_two_forms_that_which_was_found_is_printed_with_its_own_number(split: float, unit: str) -> None:
-    """The driving form is fitted in the joint's usual load, which no equation has."""
+    """The forms of driving and braking are fitted in the joint's usual load, which no equation has."""
     baseline = known_baseline()
     chosen = known_fit(baseline, ["load_quadratic"], 100.0)
     load = 1.0 if split == 0.0 else chosen.structure.contexts[0].usual_load
@@ -131,5 +131,5 @@ def test_of_two_forms_that_which_was_found_is_printed_with_its_own_number(split:
     (only,) = named.parameters.values()
     assert (only.value, *only.ci95) == pytest.approx((0.02 * load, 0.01 * load, 0.03 * load))
     assert only.unit == unit
-    assert ("[tau_l v > 0]" in named.equation) == (split == 1.0)
+    assert ("[tau_l v > 0]" in named.equation, "[tau_l v < 0]" in named.equation) == (split == 1.0, split == 2.0)
     assert " or " not in named.equation

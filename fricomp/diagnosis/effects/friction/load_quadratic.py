@@ -6,23 +6,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fricomp.laws import FrictionLaw, LoadDriving, Term
+from fricomp.laws import FrictionLaw, LoadCoulomb, LoadDriving, Term
 from fricomp.laws import LoadQuadratic as LoadQuadraticTerm
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, PrintedForm, Values, register
+from ..identity import BRAKING, DRIVING
 from ..settings import EFFECT
 from .load_share import SHARE, compute_felt_load, propose_shares
+
+_SQUARE, _DRIVING, _BRAKING = 0.0, float(DRIVING), float(BRAKING)
+"""The forms, as values of `split`."""
 
 
 @register
 class LoadQuadratic(Effect):
-    """c_q tau_l^2 sgn(v), or c_d |tau_l| sgn(v) while the load drives [duclusaud2025bam]."""
+    """c_q tau_l^2 sgn(v), or c |tau_l| sgn(v) while the joint drives the load or brakes it alone [duclusaud2025bam]."""
 
     name = "load_quadratic"
     kind = "physics"
-    equation = "tau_f = c_q tau_l^2 sgn(v), or c_d |tau_l| [tau_l v > 0] sgn(v)"
+    equation = "tau_f = c_q tau_l^2 sgn(v), or c_d |tau_l| [tau_l v > 0] sgn(v), or c_b |tau_l| [tau_l v < 0] sgn(v)"
     citation = "duclusaud2025bam"
     says = "friction curves with the load, or differs between driving and braking"
     follows_load = True
@@ -32,35 +36,53 @@ class LoadQuadratic(Effect):
         largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0
         return (
             EffectParameter("coefficient", "1/{torque}", EFFECT.small_step / largest, -1.0, 1.0),
-            EffectParameter("split", "1", 0.0, 0.0, 1.0, linear=False),
+            EffectParameter("split", "1", 0.0, _SQUARE, _BRAKING, linear=False),
             SHARE,
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"split": split, **share} for split in (0.0, 1.0) for share in propose_shares(contexts)]
+        return [{"split": form, **share} for form in (_SQUARE, _DRIVING) for share in propose_shares(contexts)]
+
+    def propose_other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # Beside a base that is free, what brakes is what drives the other way round and another gravity and inertia.
+        share = propose_shares(contexts)[0]
+        return [{"split": form, **share} for form in (_BRAKING, _DRIVING, _SQUARE)]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         load = compute_felt_load(context, values)
-        split = context.usual_load * np.abs(load) * (load * context.velocity > 0.0)
-        return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
+        form = _choose(values)
+        if form == _SQUARE:
+            return Contribution(level=values["coefficient"] * load**2)
+        acts = load * context.velocity > 0.0 if form == _DRIVING else load * context.velocity < 0.0
+        return Contribution(level=values["coefficient"] * context.usual_load * np.abs(load) * acts)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         # Between driving and braking friction may differ either way.
-        return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
+        falls = _choose(values) == _SQUARE and values["coefficient"] <= 0.0
+        return "friction would fall with load" if falls else None
 
     def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm:
-        curved, share = values["split"] < 0.5, {"inertia_share": (1.0, "1")}
-        if curved:
+        share, form = {"inertia_share": (1.0, "1")}, _choose(values)
+        if form == _SQUARE:
             numbers = {"coefficient": (1.0, "1/{torque}"), **share}
             return PrintedForm("friction grows with the square of the load", "tau_f = c_q tau_l^2 sgn(v)", numbers)
         numbers = {"coefficient": (contexts[0].usual_load, "{torque}/{torque}"), **share}
         says = "friction under load differs between driving and braking"
-        return PrintedForm(says, "tau_f = c_d |tau_l| [tau_l v > 0] sgn(v)", numbers)
+        acts = "c_d |tau_l| [tau_l v > 0]" if form == _DRIVING else "c_b |tau_l| [tau_l v < 0]"
+        return PrintedForm(says, f"tau_f = {acts} sgn(v)", numbers)
 
-    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        if values["split"] < 0.5:
-            return LoadQuadraticTerm(values["coefficient"])
-        return LoadDriving(values["coefficient"] * contexts[0].usual_load)
+    def build_terms(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> tuple[Term, ...]:
+        if _choose(values) == _SQUARE:
+            return (LoadQuadraticTerm(values["coefficient"]),)
+        coefficient = values["coefficient"] * contexts[0].usual_load
+        if _choose(values) == _DRIVING:
+            return (LoadDriving(coefficient),)
+        return (LoadCoulomb(coefficient), LoadDriving(-coefficient))
 
     def is_in_law(self, law: FrictionLaw) -> bool:
         return any(term.name in (self.name, LoadDriving.name) for term in law.terms)
+
+
+def _choose(values: Values) -> float:
+    """The form that a value of `split` stands for."""
+    return min((_SQUARE, _DRIVING, _BRAKING), key=lambda form: abs(values["split"] - form))
