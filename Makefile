@@ -1,4 +1,4 @@
-# Two commands, each enough on a fresh machine with Python 3.11 or newer, git and make:
+# Two commands, each enough on a fresh machine with Python 3.11, 3.12 or 3.13, git and make:
 #   make calibrate   a simulated joint, from sweep to exported model, into runs/demo
 #   make test        the test suite, in some eight minutes on two cores
 # And for work on it: make test-slow (the tests that take long), make lint, make docs (the site), make lock, make clean.
@@ -10,7 +10,7 @@ JOBS ?= 2
 .PHONY: calibrate test test-slow lint docs lock clean
 
 $(VENV)/installed: requirements.lock pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "fricomp needs Python 3.11 or newer; name one: make PYTHON=python3.11"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' || { echo "what requirements.lock pins is for Python 3.11, 3.12 and 3.13; name one: make PYTHON=python3.11"; exit 1; }
 	@echo "Installing what requirements.lock pins into $(VENV) (a few minutes, once) ..."
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock

@@ -6,10 +6,12 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.specifiers import SpecifierSet
 
 ROOT = Path(__file__).parents[1]
 HEAVY = ("torch", "mujoco", "onnxruntime", "onnx", "can", "canopen", "serial", "matplotlib", "plotly", "scipy", "numba")
@@ -49,6 +51,15 @@ def test_the_lock_pins_every_direct_dependency() -> None:
     pinned = {line.split("==")[0].lower() for line in (ROOT / "requirements.lock").read_text("utf-8").split()}
     assert names <= pinned, names - pinned
     assert all("==" in line for line in (ROOT / "requirements.lock").read_text("utf-8").split())
+
+
+@pytest.mark.parametrize("python", ["3.11.0", "3.12.0", "3.13.0"])
+def test_what_the_lock_pins_installs_on_every_python_that_the_readme_names(python: str) -> None:
+    for line in (ROOT / "requirements.lock").read_text("utf-8").split():
+        name, pinned = line.split("==")
+        wanted = metadata.metadata(name).get("Requires-Python", "")
+        installed = metadata.version(name) == pinned  # another version here says nothing of the one that is pinned
+        assert not installed or SpecifierSet(wanted).contains(python), f"{line} asks for Python {wanted}"
 
 
 def test_hosted_ci_does_what_ci_does_here() -> None:

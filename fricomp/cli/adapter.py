@@ -27,8 +27,8 @@ def adapter() -> None:
 def check(
     configuration: Annotated[Path, typer.Argument(help="Configuration file: bus, joints, limits.")],
     share: Annotated[float, typer.Option(help="Largest torque, as a share of the limit; 0.05 or less.")] = 0.05,
-    rate: Annotated[float, typer.Option(help="Rate of the control loop \\[Hz].")] = 200.0,
-    motion: Annotated[float, typer.Option(help="Motion that ends a push \\[rad] or \\[m].")] = 0.05,
+    rate: Annotated[float, typer.Option(help="Rate of the control loop [Hz].")] = 200.0,
+    motion: Annotated[float, typer.Option(help="Motion that ends a push [rad] or [m].")] = 0.05,
     listen_only: Annotated[bool, typer.Option("--listen-only", help="Energise nothing.")] = False,
     take_over: Annotated[bool, TAKE_OVER] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before energising.")] = False,

@@ -57,7 +57,7 @@ def adapters(
     interface: Annotated[str, typer.Option(help="python-can interface of the bus named by --channel.")] = "socketcan",
     channel: Annotated[str | None, typer.Option(help="Scan this CAN bus alone: can0, /dev/ttyACM0, ...")] = None,
     bitrate: Annotated[
-        int, typer.Option(help="Bit rate of the CAN bus \\[bit/s], where its interface sets it.")
+        int, typer.Option(help="Bit rate of the CAN bus [bit/s], where its interface sets it.")
     ] = 1_000_000,
 ) -> None:
     """List the adapters, those of other packages included, and what each needs installed.

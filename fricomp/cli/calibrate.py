@@ -76,13 +76,13 @@ def calibrate(
     speeds: Annotated[
         str,
         sweep_option(
-            help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list \\[rad/s] or \\[m/s]; "
+            help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list [rad/s] or [m/s]; "
             "log-spaced below the highest that fits into the travel if not given."
         ),
     ] = "",
     repeats: Annotated[int, sweep_option(help="Visits to each speed in each direction.")] = 2,
-    dwell: Annotated[float, sweep_option(help="Time on a settled plateau \\[s].")] = 1.0,
-    warm_up: Annotated[float, sweep_option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
+    dwell: Annotated[float, sweep_option(help="Time on a settled plateau [s].")] = 1.0,
+    warm_up: Annotated[float, sweep_option(help="Time of moving to and fro before the sweep [s].")] = 8.0,
     positions: Annotated[int, sweep_option(help="Places over the travel at which slow plateaus are centred.")] = 1,
     loop: Annotated[
         Literal["auto", "drive", "host"],
@@ -92,10 +92,10 @@ def calibrate(
         float,
         sweep_option(
             show_default=False,
-            help="Inertia about the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
+            help="Inertia about the joint, for the host's loop [kg·m²] or [kg]; that of --model if not given.",
         ),
     ] = 0.0,
-    bandwidth: Annotated[float, sweep_option(help="Bandwidth of the host's loop \\[rad/s].")] = 60.0,
+    bandwidth: Annotated[float, sweep_option(help="Bandwidth of the host's loop [rad/s].")] = 60.0,
     check_torque: Annotated[
         float, sweep_option(help="Largest torque of the sign check, as a fraction of the torque limit.")
     ] = 0.3,
@@ -120,10 +120,10 @@ def calibrate(
         ),
     ] = False,
     accuracy: Annotated[
-        float, identification_option(help="Mean standard deviation at which --adaptive stops \\[%].")
+        float, identification_option(help="Mean standard deviation at which --adaptive stops [%].")
     ] = 0.5,
     motion: Annotated[
-        Path | None, instead_option(help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units.")
+        Path | None, instead_option(help="Record this motion (CSV: time, velocity[, position]) instead, in SI units.")
     ] = None,
     excite: Annotated[
         bool,
@@ -131,15 +131,15 @@ def calibrate(
             "--excite", help="Move all joints of an arm (--model) at once, on a motion chosen for what it tells."
         ),
     ] = False,
-    duration: Annotated[float, instead_option(help="Length of the motion of --excite \\[s].")] = _EXCITED,
+    duration: Annotated[float, instead_option(help="Length of the motion of --excite [s].")] = _EXCITED,
     torque_constant: Annotated[
         bool, instead_option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,
     weight: Annotated[
-        float, instead_option(show_default=False, help="Mass that is hung for --torque-constant \\[kg].")
+        float, instead_option(show_default=False, help="Mass that is hung for --torque-constant [kg].")
     ] = 0.0,
     lever: Annotated[
-        float, instead_option(show_default=False, help="Distance from the axis to where it hangs \\[m].")
+        float, instead_option(show_default=False, help="Distance from the axis to where it hangs [m].")
     ] = 0.0,
     out: Annotated[Path, run_option(help="Folder of the run.")] = Path("runs/calibration"),
     settings: Annotated[

@@ -36,7 +36,7 @@ def make(
         str, typer.Option(help="Effect-to-noise ratio after a base refit: 0.1, 0.2, 0.5, 1, 2, 5 or clear.")
     ] = "clear",
     excitation: Annotated[str, typer.Option(help="Motion; `fricomp cases list` has the names.")] = "rich",
-    duration: Annotated[float, typer.Option(help="Length of the recording \\[s].")] = 60.0,
+    duration: Annotated[float, typer.Option(help="Length of the recording [s].")] = 60.0,
     noise: Annotated[
         str | None, typer.Option(help=f"Kind of torque noise; {_NAMES}; drawn from the seed by default.")
     ] = None,

@@ -31,13 +31,13 @@ fricomp check-loop friction.json --inertia 0.1 --stiffness 98.7 --damping 6.28 -
 @app.command(name="check-loop", epilog=EPILOG)
 def check_loop(
     model: Annotated[Path, typer.Argument(help="Model file of the joint (friction.json).")],
-    inertia: Annotated[float, typer.Option(help="Inertia at the joint \\[kg·m²] or \\[kg].")],
-    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of a critically damped PD loop \\[Hz].")] = None,
-    stiffness: Annotated[float | None, typer.Option(help="Proportional gain \\[N·m/rad] or \\[N/m].")] = None,
-    damping: Annotated[float | None, typer.Option(help="Derivative gain \\[N·m·s/rad] or \\[N·s/m].")] = None,
-    delay: Annotated[float, typer.Option(help="Delay from motion to the torque that answers it \\[s].")] = DELAY,
+    inertia: Annotated[float, typer.Option(help="Inertia at the joint [kg·m²] or [kg].")],
+    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of a critically damped PD loop [Hz].")] = None,
+    stiffness: Annotated[float | None, typer.Option(help="Proportional gain [N·m/rad] or [N/m].")] = None,
+    damping: Annotated[float | None, typer.Option(help="Derivative gain [N·m·s/rad] or [N·s/m].")] = None,
+    delay: Annotated[float, typer.Option(help="Delay from motion to the torque that answers it [s].")] = DELAY,
     velocity_filter: Annotated[
-        float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
+        float, typer.Option(help="Time constant of the measured velocity's filter [s].")
     ] = VELOCITY_FILTER,
     gain: Annotated[
         float | None, typer.Option(help="Gain of the compensation; chosen from the model if left out.")
@@ -46,19 +46,15 @@ def check_loop(
         Literal["reference", "blend", "measured"] | None,
         typer.Option(help="Where the compensator takes the direction of motion from; chosen if left out."),
     ] = None,
-    period: Annotated[float, typer.Option(help="Control period \\[s].")] = 1e-3,
-    quantum: Annotated[float, typer.Option(help="Step of the measured velocity \\[rad/s] or \\[m/s].")] = 0.0,
+    period: Annotated[float, typer.Option(help="Control period [s].")] = 1e-3,
+    quantum: Annotated[float, typer.Option(help="Step of the measured velocity [rad/s] or [m/s].")] = 0.0,
     torque_limit: Annotated[
-        float | None, typer.Option(help="Largest torque of drive or safety gate, for the simulation \\[N·m] or \\[N].")
+        float | None, typer.Option(help="Largest torque of drive or safety gate, for the simulation [N·m] or [N].")
     ] = None,
-    torque_rate: Annotated[
-        float | None, typer.Option(help="Fastest change of that torque \\[N·m/s] or \\[N/s].")
-    ] = None,
+    torque_rate: Annotated[float | None, typer.Option(help="Fastest change of that torque [N·m/s] or [N/s].")] = None,
     velocity_limit: Annotated[
         float | None,
-        typer.Option(
-            help="Velocity limit of the safety gate \\[rad/s] or \\[m/s]; the model's highest speed if left out."
-        ),
+        typer.Option(help="Velocity limit of the safety gate [rad/s] or [m/s]; the model's highest speed if left out."),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
     overwrite: Overwrite = False,

@@ -54,10 +54,10 @@ def convert(
     only: Annotated[
         list[str] | None, typer.Option("--only", "--joint", help="Joint or recording to take; repeat for more.")
     ] = None,
-    rate: Annotated[float | None, typer.Option(help="Resample to this rate \\[Hz].")] = None,
+    rate: Annotated[float | None, typer.Option(help="Resample to this rate [Hz].")] = None,
     skip_bad_rows: Annotated[bool, typer.Option(help="Leave out rows without a number or a later time.")] = False,
     row_rate: Annotated[
-        float | None, typer.Option(help="Rows a second \\[Hz] in place of stamps that are held or missing.")
+        float | None, typer.Option(help="Rows a second [Hz] in place of stamps that are held or missing.")
     ] = None,
     split: Annotated[
         bool, typer.Option("--split", help="Write the usable parts, each into a file of its own, without the rest.")

@@ -40,7 +40,7 @@ def export(
     ] = "dcmotor",
     into: Annotated[Path | None, typer.Option(help="MJCF or URDF file to write the friction into.")] = None,
     joint: Annotated[str | None, typer.Option(help="Joint's name there; the model's own if left out.")] = None,
-    period: Annotated[float, typer.Option(help="C: control period \\[s].")] = 1e-3,
+    period: Annotated[float, typer.Option(help="C: control period [s].")] = 1e-3,
     prefix: Annotated[
         str | None, typer.Option(help="C: prefix of every name; friction_ and the joint's name if left out.")
     ] = None,

@@ -56,7 +56,7 @@ def identify(
     files: Annotated[
         list[str],
         typer.Argument(
-            help="Recording, or CSV with the columns velocity \\[rad/s], torque \\[N·m] and if wanted "
+            help="Recording, or CSV with the columns velocity [rad/s], torque [N·m] and if wanted "
             "normal_load; several files, a folder, a pattern or a table of joints are a fleet."
         ),
     ],

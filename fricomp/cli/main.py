@@ -40,7 +40,7 @@ COMMANDS = {
     "watch": "Follow joints over many models: trends with intervals, what has changed and when.",
     "run": "Compensate friction on a joint, in real time.",
     "check-loop": "Check a compensator in its loop before it runs on a drive.",
-    "export": "Write a model as C, ONNX, MJCF, URDF or JSON.",
+    "export": "Write a model as C, ONNX, MJCF, URDF, JSON, or settings of simulators and ROS 2.",
     "adapters": "List the adapters: buses and drives.",
     "adapter": "Try a real drive, carefully, and say what was found.",
     "twin": "Start a drive twin: a simulated drive behind a real protocol.",

@@ -59,9 +59,16 @@ def with_output_options(command: Any) -> Any:
         return command
     # Before --help, which stands last where it is listed.
     command.params = [*command.params, *_make_options()]
+    for one in command.params:
+        one.help = _keep_brackets(one.help)
     command.callback = _answering(command.callback)
     command.format_help = _whole(command.format_help)
     return command
+
+
+def _keep_brackets(text: str | None) -> str | None:
+    """A text whose units, as in `[s]`, are no markup, which would strike out what follows."""
+    return None if text is None else text.replace("[", r"\[")
 
 
 def _join_lines(text: str | None) -> str | None:

@@ -54,16 +54,16 @@ def run(
     ] = None,
     config: Annotated[Path | None, drive_option(help="Configuration of bus and joints (TOML).")] = None,
     inertia: Annotated[
-        list[float], loop_option(help="Inertia at each joint \\[kg·m²] or \\[kg]; one value serves all joints.")
+        list[float], loop_option(help="Inertia at each joint [kg·m²] or [kg]; one value serves all joints.")
     ] = [0.1],  # noqa: B006
-    bandwidth: Annotated[float, loop_option(help="Bandwidth of the PD position loop \\[Hz].")] = 5.0,
-    amplitude: Annotated[float, motion_option(help="Amplitude of the sine \\[rad] or \\[m].")] = 0.2,
-    frequency: Annotated[float, motion_option(help="Frequency of the sine \\[Hz].")] = 0.1,
+    bandwidth: Annotated[float, loop_option(help="Bandwidth of the PD position loop [Hz].")] = 5.0,
+    amplitude: Annotated[float, motion_option(help="Amplitude of the sine [rad] or [m].")] = 0.2,
+    frequency: Annotated[float, motion_option(help="Frequency of the sine [Hz].")] = 0.1,
     cycles: Annotated[float, motion_option(help="Number of cycles of the sine.")] = 2.0,
-    rate: Annotated[float, loop_option(help="Rate of the control loop \\[Hz].")] = 1000.0,
-    delay: Annotated[float, loop_option(help="Delay from motion to the torque that answers it \\[s].")] = DELAY,
+    rate: Annotated[float, loop_option(help="Rate of the control loop [Hz].")] = 1000.0,
+    delay: Annotated[float, loop_option(help="Delay from motion to the torque that answers it [s].")] = DELAY,
     velocity_filter: Annotated[
-        float, loop_option(help="Time constant of the measured velocity's filter \\[s].")
+        float, loop_option(help="Time constant of the measured velocity's filter [s].")
     ] = VELOCITY_FILTER,
     gain: Annotated[
         float | None, loop_option(help="Gain of the compensation; chosen from the model if left out.")

@@ -78,6 +78,13 @@ def test_help_cuts_nothing_on_a_narrow_terminal(command: tuple[str, ...]) -> Non
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_help_shows_every_unit(command: tuple[str, ...]) -> None:
+    shown = CliRunner().invoke(main.app, [*command, "--help"], env={"COLUMNS": "400"}).output
+    assert re.findall(r"\S* [.,;](?=\s)", shown) == []  # what a unit left behind that was taken for markup
+    assert "\\[" not in shown
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
 def test_every_command_shows_an_example(command: tuple[str, ...]) -> None:
     done = CliRunner().invoke(main.app, [*command, "--help"], env={"COLUMNS": "200"})
     assert f"fricomp {' '.join(command)}" in done.output.partition("Options")[2], done.output
@@ -156,6 +163,17 @@ def test_a_conversion_answers_in_json(tmp_path: Path) -> None:
     (answer,) = json.loads(done.stdout)
     assert answer["samples"] == 400
     assert Path(answer["file"]).exists()
+
+
+def test_a_unit_in_help_is_no_markup(capsys: Any) -> None:
+    app = typer.Typer()
+
+    @app.command()
+    def wait(seconds: float = typer.Option(1.0, help="Time [s] up to [b] seconds [0].")) -> None:
+        pass
+
+    with_output_options(typer.main.get_command(app)).main(["--help"], standalone_mode=False)
+    assert "Time [s] up to [b] seconds [0]." in capsys.readouterr().out
 
 
 def test_a_paragraph_of_help_is_one_line_until_the_terminal_wraps_it() -> None:

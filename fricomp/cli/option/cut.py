@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from fricomp.arm.log import ArmLog
     from fricomp.recording import Recording
 
-From = Annotated[float | None, log_option("--from", help="Leave out what is before this time \\[s].")]
-To = Annotated[float | None, log_option("--to", help="Leave out what is from this time on \\[s].")]
+From = Annotated[float | None, log_option("--from", help="Leave out what is before this time [s].")]
+To = Annotated[float | None, log_option("--to", help="Leave out what is from this time on [s].")]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ fricomp bench arms run --scored --cases 200 --minutes 60 --resume --out runs/arm
 def run(
     out: Annotated[Path, typer.Option(help="Folder for seals, answers, records and scores.")] = Path("runs/arms"),
     cases: Annotated[int, typer.Option(min=1, help="Number of arms.")] = 200,
-    duration: Annotated[float, typer.Option(help="Length of the recordings \\[s].")] = 60.0,
+    duration: Annotated[float, typer.Option(help="Length of the recordings [s].")] = 60.0,
     scored: Annotated[bool, typer.Option("--scored", help="Seeds from a number drawn as the run begins.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no arm after this; --resume goes on.")] = None,
