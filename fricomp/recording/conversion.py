@@ -306,7 +306,7 @@ def _take(column: Samples, rows: NDArray[np.intp]) -> Samples:
         return np.full(rows.size, column[0])
     if rows.size and rows[-1] >= column.size:
         raise RecordingError(f"a column of the source has {column.size} rows where another has {rows[-1] + 1}")
-    return column[rows]
+    return column if rows.size == column.size else column[rows]  # rows rise, so that as many are all of them
 
 
 def _require_unit(channel: str, unit: str, si: str, metadata: RecordingMetadata) -> None:

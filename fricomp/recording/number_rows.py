@@ -6,6 +6,7 @@ It takes plain files only. Whatever it stumbles on is left to the careful reader
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,9 @@ _LARGE = 1_000_000
 _HEAD = 65_536
 """Most bytes before the rows: metadata, comments and header."""
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d{1,9})?(Z|[+-]\d\d:?\d\d)?")
+"""A date and time by ISO 8601, and its distance from UTC where it states one."""
+_NANOSECONDS = 1_000_000_000
 
 
 def read_head(path: Path) -> tuple[str, int] | None:
@@ -41,9 +45,17 @@ def read_head(path: Path) -> tuple[str, int] | None:
 
 
 def read_number_rows(
-    path: Path, start: int, names: Sequence[str], wanted: Sequence[str] | None = None, *, delimiter: str = ","
+    path: Path,
+    start: int,
+    names: Sequence[str],
+    wanted: Sequence[str] | None = None,
+    *,
+    delimiter: str = ",",
+    decimal: str = ".",
 ) -> dict[str, NDArray[np.float64]] | None:
     """Read the columns of a file whose rows are numbers, finite or not; None where they are not, or pyarrow is missing.
+
+    Dates by ISO 8601 are seconds since 1970.
 
     Args:
         path: The file.
@@ -51,6 +63,7 @@ def read_number_rows(
         names: Of its columns.
         wanted: Those that are read; None for all.
         delimiter: One character between two cells.
+        decimal: Decimal mark; where it is a comma, a table without commas may have points.
     """
     try:
         import pyarrow
@@ -58,8 +71,13 @@ def read_number_rows(
     except ImportError:
         return None
     kept = list(names if wanted is None else wanted)
+    first, has_commas = _look_at_rows(path, start)
+    cells = dict(zip(names, first.split(delimiter), strict=False))
     options = csv.ConvertOptions(
-        column_types=dict.fromkeys(kept, pyarrow.float64()), include_columns=kept, null_values=[]
+        column_types={name: _find_type(cells.get(name, "")) for name in kept},
+        include_columns=kept,
+        null_values=[],
+        decimal_point=decimal if has_commas else ".",
     )
     parsing = csv.ParseOptions(delimiter=delimiter, quote_char=False, invalid_row_handler=_skip_comment)
     try:
@@ -80,13 +98,34 @@ def read_number_rows(
     return {name: _join(chunks.pop(name)) for name in kept}
 
 
+def _look_at_rows(path: Path, start: int) -> tuple[str, bool]:
+    """The first row from there on that is no comment, and whether there are commas in the first ones."""
+    with path.open("rb") as file:
+        file.seek(start)
+        lines = file.read(_HEAD).decode(errors="replace").splitlines()
+    rows = [line for line in lines if line.strip() and not line.startswith("#")]
+    return (rows[0] if rows else "", any("," in row for row in rows))
+
+
+def _find_type(cell: str) -> Any:
+    """The type of a column of pyarrow that has such cells."""
+    import pyarrow
+
+    date = _DATE.fullmatch(cell.strip())
+    return pyarrow.timestamp("ns", "UTC" if date.group(1) else None) if date else pyarrow.float64()
+
+
 def _join(chunks: Sequence[Any]) -> NDArray[np.float64]:
-    """Chunks of numbers, none missing, as one array; `to_numpy` would import pandas where that is installed.
+    """Chunks of numbers or dates, none missing, as one array; `to_numpy` would import pandas where that is installed.
 
     It is read-only, so that a recording takes it as it is.
     """
-    parts = [np.frombuffer(one.buffers()[1])[one.offset : one.offset + len(one)] for one in chunks]
-    joined = np.concatenate(parts)
+    is_date = chunks[0].type.id != _find_type("").id
+    kind = np.int64 if is_date else np.float64
+    parts = [np.frombuffer(one.buffers()[1], kind)[one.offset : one.offset + len(one)] for one in chunks]
+    joined: NDArray[Any] = np.concatenate(parts)
+    if is_date:
+        joined = joined // _NANOSECONDS + joined % _NANOSECONDS / _NANOSECONDS
     joined.flags.writeable = False
     return joined
 

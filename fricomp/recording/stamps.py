@@ -104,9 +104,11 @@ def find_rising(time: Samples) -> NDArray[np.bool_]:
     rising = everywhere if np.all(np.diff(time) > 0.0) else _longest_rise(time, everywhere)
     rows = np.flatnonzero(rising)
     step = np.diff(time[rows])
-    if rows.size < 10 or not np.any(step > _FAR * float(np.median(step))):
+    if rows.size < 10 or np.max(step) <= _FAR * np.min(step):  # which spares even clocks the median
         return rising
     usual = float(np.median(step))
+    if not np.any(step > _FAR * usual):
+        return rising
     edges = [0, *(np.flatnonzero(step > _FAR * usual) + 1).tolist(), rows.size]
     stretches = [rows[a:b] for a, b in pairwise(edges) if b - a >= max(5.0, _FEW * rows.size)]
     if not stretches:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Literal
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -13,9 +15,11 @@ from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import RecordingError
 from fricomp.reading import watch_reading
 from fricomp.recording import Recording, RecordingMetadata, RecordingWarning, csv_file, read_recording, write_recording
+from fricomp.recording.mapping import Source
 from fricomp.recording.named.log import separate_joints
 from fricomp.recording.named.source import read_named_columns
 from fricomp.recording.number_rows import read_head, read_number_rows
+from fricomp.recording.sources import Columns, text
 
 pytest.importorskip("pyarrow")
 
@@ -123,6 +127,73 @@ def test_who_watches_is_told_how_far_a_large_file_is_read(path: Path) -> None:
     told.clear()
     read_recording(path)
     assert told == []
+
+
+def _write_log(path: Path, row: str, head: str = "stamp;mode;angle;torque\n") -> Path:
+    """A log of some 2 MB whose rows are as `row` says: stamp, a whole number, angle, torque."""
+    random = np.random.default_rng(1)
+    numbers = zip(random.standard_normal(_ROWS).tolist(), random.standard_normal(_ROWS).tolist(), strict=True)
+    path.write_text(head + "".join(row.format(k=k, q=q, tau=tau) + "\n" for k, (q, tau) in enumerate(numbers)))
+    return path
+
+
+def _read_mapped(path: Path, source: Source, patch: pytest.MonkeyPatch, *, quickly: bool) -> Columns:
+    """The columns that a mapping asks for, read by pyarrow alone, or without it."""
+    with patch.context() as one:
+        one.setattr(
+            text, "read_lines" if quickly else "read_head", lambda _: pytest.fail("read twice") if quickly else None
+        )
+        return text.read_text(path, source, ("stamp", "angle", 4), skip_bad_rows=False)
+
+
+@pytest.mark.parametrize(
+    ("row", "source"),
+    [
+        ("{k}e-3,1,{q!r},{tau!r}", Source(header=True)),
+        ("{k}e-3;run;{q!r};{tau!r}", Source(header=True, delimiter=";")),
+        ("{k}e-3;1;{q:.9f};{tau!r}", Source(header=True, delimiter=";", decimal=".")),
+        ("2026-03-05 10:11:12.{k:06d}\t1\t{q!r}\t{tau!r}", Source(header=True, delimiter="\t")),
+        ("2026-03-05T10:11:12.{k:06d}+02:00,1,{q!r},{tau!r}", Source(header=True)),
+    ],
+)
+def test_a_mapping_reads_a_large_table_to_the_same_numbers(
+    row: str, source: Source, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    head = "a line of words\n" + source.delimiter.join(("stamp", "mode", "angle", "torque")) + "\n"
+    path = _write_log(tmp_path / "log.csv", row, head)
+    source = msgspec.structs.replace(source, skip_lines=1)
+    fast = _read_mapped(path, source, monkeypatch, quickly=True)
+    slow = _read_mapped(path, source, monkeypatch, quickly=False)
+    for key, values in fast.items():
+        np.testing.assert_allclose(values, slow[key], rtol=0.0, atol=3e-7 if key == "stamp" else 0.0)
+
+
+def test_decimal_commas_of_a_large_table_are_read_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = _write_log(tmp_path / "log.csv", "{k}e-3;1;{q!r};{tau!r}")
+    path.write_text(path.read_text().replace(".", ","))
+    source = Source(header=True, delimiter=";")
+    fast = _read_mapped(path, source, monkeypatch, quickly=True)
+    slow = _read_mapped(path, source, monkeypatch, quickly=False)
+    for key, values in fast.items():
+        np.testing.assert_array_equal(values, slow[key])
+    np.testing.assert_array_equal(read_named_columns(path)["torque"], slow[4])
+
+
+@pytest.mark.parametrize(("decimal", "value"), [(".", 1234.0), (",", 1.234)])
+def test_a_mapping_says_what_a_comma_of_a_large_table_is(
+    decimal: Literal[".", ","], value: float, tmp_path: Path
+) -> None:
+    path = _write_log(tmp_path / "log.csv", "{k};1;{q!r};1,234")
+    source = Source(header=True, delimiter=";", decimal=decimal)
+    assert set(text.read_text(path, source, (4,), skip_bad_rows=False)[4].tolist()) == {value}
+
+
+def test_a_row_of_a_large_table_that_is_commented_out_is_left_out(tmp_path: Path) -> None:
+    path = _write_log(tmp_path / "log.csv", "{k},1,{q!r},{tau!r}", "stamp,mode,angle,torque\n")
+    lines = path.read_text().splitlines()
+    lines[300] = "#" + lines[300]
+    path.write_text("\n".join([*lines, ""]))
+    assert text.read_text(path, Source(header=True), ("torque",), skip_bad_rows=False)["torque"].size == _ROWS - 1
 
 
 def test_columns_of_a_large_log_are_held_once(path: Path, tmp_path: Path) -> None:

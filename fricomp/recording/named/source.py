@@ -255,7 +255,7 @@ def _read_large_text(path: Path) -> dict[str, Samples] | None:
     if not names or not is_clear:
         return None
     start = head[1] + sum(len(line.encode()) for line in lines[: layout.rows_line])
-    return read_number_rows(path, start, names, delimiter=layout.delimiter)
+    return read_number_rows(path, start, names, delimiter=layout.delimiter, decimal=layout.decimal)
 
 
 def explain_unnamed(path: Path) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
+from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.plain_table import as_table
@@ -49,8 +50,11 @@ def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_
         RecordingError: A wanted cell is missing or no number, or a column is asked for by a name that no header gives.
     """
     _refuse_names(path, source, keys)
+    numbers = _read_large(path, source, keys)
+    if numbers is not None:
+        return numbers
     lines = read_lines(path)[source.skip_lines :]
-    decimal = source.decimal or ("." if source.delimiter == "," else ",")
+    decimal = _find_decimal(source)
     header = split_cells(lines.pop(0), source.delimiter) if source.header and lines else []
     if len(header) == 1 and any(mark in header[0] for mark in ";\t") and not set(header) & set(keys):
         raise RecordingError(f"{path}: the header {header[0][:60]!r} is one name; {_hint(header, 0)}")
@@ -63,6 +67,25 @@ def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_
     return {key: _parse_column(rows, k, key, path, decimal) for key, k in indices.items()} | _names_only(
         header, indices
     )
+
+
+def _read_large(path: Path, source: Source, keys: Collection[Column]) -> Columns | None:
+    """The wanted columns of a large table of numbers; None where it must be read with care."""
+    head = read_head(path)
+    first = source.skip_lines + source.header
+    lines = head[0].splitlines(keepends=True) if head else []
+    if head is None or len(lines) <= first or len(source.delimiter) != 1:
+        return None
+    header = split_cells(lines[source.skip_lines], source.delimiter) if source.header else []
+    numbers = [str(k) for k in range(lines[first].count(source.delimiter) + 1)]
+    indices = {key: _find_index(key, header) for key in keys}
+    if any(index is None or index >= len(numbers) for index in indices.values()):
+        return None
+    # The first column too: a row that a mark before it makes a comment is no row of numbers.
+    wanted = [number for k, number in enumerate(numbers) if k == 0 or k in indices.values()]
+    start = head[1] + sum(len(line.encode()) for line in lines[:first])
+    columns = read_number_rows(path, start, numbers, wanted, delimiter=source.delimiter, decimal=_find_decimal(source))
+    return None if columns is None else {key: columns[str(index)] for key, index in indices.items()}
 
 
 def read_lines(path: Path) -> list[str]:
@@ -147,6 +170,10 @@ def _refuse_names(path: Path, source: Source, keys: Collection[Column]) -> None:
             f"{path} is read without a header line, so that no column is called {names[0]!r}: set header = true under "
             "[source] of the mapping if the first line holds the names, or give the column's number, without quotes"
         )
+
+
+def _find_decimal(source: Source) -> str:
+    return source.decimal or ("." if source.delimiter == "," else ",")
 
 
 def _find_index(key: Column, header: list[str]) -> int | None:
