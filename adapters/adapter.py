@@ -305,6 +305,20 @@ class JointAdapter(HeldDriver):
             return tuple(self._read_energised())
 
     @final
+    def ask_faults(self) -> tuple[int, ...]:
+        """Ask the drives which faults they report now, in codes; nothing is judged or stopped. None told is 0.
+
+        Raises:
+            AdapterError: Not open, or the bus failed.
+        """
+        n_joints = len(self.capabilities.joints)
+        with self._lock:
+            try:
+                return tuple(self._ask_faults() or [0] * n_joints)
+            except BaseException as error:
+                raise_own(error)
+
+    @final
     def describe_faults(self, codes: Sequence[int]) -> str:
         """What drives report, in words: the fault code of each joint, as in `JointFeedback.fault`."""
         told = []

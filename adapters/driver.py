@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -85,6 +85,10 @@ class Driver(ABC):
     def _describe_fault(self, joint: int, code: int) -> str:
         """What a code of the drive of a joint means, in words; empty where nobody says so."""
         return ""
+
+    def _ask_faults(self) -> Sequence[int] | None:
+        """Ask the drives which faults they report now, and judge nothing; None where that cannot be asked."""
+        return None
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         """The watchdog as read back after `_configure`; None if it is what `_open` declared."""

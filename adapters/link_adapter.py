@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, final
 
@@ -146,6 +147,14 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
                 f"answers take {1e3 * delay:.1f} ms on this bus, and data are stale after {1e3 * stale_after:g} ms: "
                 f"find what holds them up, or raise stale_after, knowing that the joints are controlled that late"
             )
+
+    @final
+    def _ask_faults(self) -> Sequence[int]:
+        self._forget_states()
+        self._ask_state()
+        with suppress(AdapterTimeout):  # one that has fallen silent may have told it by itself, as CANopen's EMCY
+            self._wait(self._arrivals.take, self._response_timeout, "not all joints answered with their state")
+        return list(self._reported.fault)
 
     @final
     def _discard_output(self) -> None:

@@ -223,6 +223,8 @@ class _Trial:
         silence = SILENCE_TRIED * watchdog.timeout if watchdog is not None else 0.0
         clock.sleep_until(clock.now_ns() + round(silence * 1e9))
         codes = [0] * len(self._feedback.fault)
+        with suppress(AdapterError):  # before anything stops them: one that has stopped alone may tell it until then
+            codes = list(self.adapter.ask_faults())
         for _ in range(STATES_AWAITED):
             with suppress(AdapterError):  # such as heartbeats that have not been heard meanwhile
                 if self.adapter.read_into(self._feedback):

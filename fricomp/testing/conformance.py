@@ -15,6 +15,7 @@ from fricomp.testing.conformance_exchange import ExchangeConformance
 from fricomp.testing.conformance_holding import HoldingConformance
 from fricomp.testing.conformance_link_failure import LinkFailureConformance
 from fricomp.testing.conformance_preparation import PreparationConformance
+from fricomp.testing.conformance_sensors import SensorConformance
 from fricomp.testing.conformance_stopping import StoppingConformance
 from fricomp.testing.rig import AdapterRig
 
@@ -24,6 +25,7 @@ class AdapterConformance(
     HoldingConformance,
     ExchangeConformance,
     LinkFailureConformance,
+    SensorConformance,
     StoppingConformance,
     CycleConformance,
 ):

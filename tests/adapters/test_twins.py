@@ -130,12 +130,14 @@ def test_the_trial_clears_what_its_own_silence_has_latched(made: Made) -> None:
     adapter, _ = made
     steps = list(try_drive(adapter, TrialSettings(), lambda: True))
     assert (steps[-1].name, steps[-1].passed) == ("clear", True)
+    assert (steps[-2].name, steps[-2].passed) == ("fall silent at zero torque", True)
+    assert "stopped by themselves" in steps[-2].detail
     with adapter:
         adapter.configure("torque", 0.005)
         adapter.enable()  # as `fricomp calibrate` does after `fricomp adapter check`
 
 
-@pytest.mark.parametrize("protocol", ["canopen", "mit", "odrive"])  # the others latch nothing that has a code
+@pytest.mark.parametrize("protocol", sorted(MAKERS))
 def test_the_trial_clears_nothing_but_what_it_has_caused(protocol: str, tmp_path: Path) -> None:
     adapter, _ = MAKERS[protocol](tmp_path)
     names = []

@@ -62,7 +62,7 @@ def summarise_adapters(figures: AdapterFigures) -> StudyOutcome:
         "Encode, gate and decode, a joint, without the bus": _cost(figures.cost),
         "Round trip over slcan on one pseudo-terminal": _slcan(figures.slcan),
     }
-    sections = tuple(Section(title, (table,)) for title, table in tables.items())
+    sections = tuple(Section(title, (table,)) for title, table in tables.items() if table.rows)
     return StudyOutcome("Adapters", summary, figures, sections, figures.passed)
 
 
