@@ -13,7 +13,7 @@ import msgspec
 from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.model import Motion
-from fricomp.untrusted import parse_toml
+from fricomp.untrusted import parse_toml, read_whole
 
 from .options import AdapterOptions
 from .transmission import Transmission
@@ -226,7 +226,7 @@ def read_table(path: str | Path) -> ConfigurationTable:
         AdapterConfigurationError: It cannot be read.
     """
     try:
-        found = parse_toml(Path(path).read_text("utf-8"))
+        found = parse_toml(read_whole(path).decode("utf-8"))
     except OSError as error:
         raise AdapterConfigurationError(f"cannot read the configuration {path}: {error.strerror}") from error
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

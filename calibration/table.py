@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,7 +17,7 @@ from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_
 from fricomp.recording.named.source import explain_unnamed, read_layout, read_named_columns
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import count_known
-from fricomp.recording.sources.text import read_lines
+from fricomp.recording.sources.text import cut_rows, read_lines
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT
 
@@ -156,12 +155,12 @@ def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
 
 def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
     try:
-        lines = [line for line in read_lines(Path(path)) if line.strip() and not line.startswith("#")]
+        rows = [cells for _, cells in cut_rows(Path(path), read_lines(Path(path)), ",", 1)]
     except OSError as error:
         raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
-    if not lines:
+    if not rows:
         raise RecordingError(f"{path} is empty")
-    return [[cell.strip() for cell in row] for row in csv.reader(lines)]
+    return rows
 
 
 def _column(path: str | os.PathLike[str], rows: list[list[str]], header: list[str], name: str) -> FloatArray:

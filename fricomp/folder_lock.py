@@ -22,6 +22,7 @@ from typing import ClassVar, Self
 import msgspec
 
 from fricomp.errors import OutputError
+from fricomp.untrusted import find_place
 
 try:
     import fcntl
@@ -76,7 +77,7 @@ class FolderLock:
         Raises:
             OutputError: Another process holds the lock, or the file system takes none.
         """
-        place = folder.resolve()
+        place = find_place(folder)
         return cls._take(place, place / LOCK_FILE)
 
     @classmethod
@@ -86,7 +87,7 @@ class FolderLock:
         Raises:
             OutputError: Another process holds its lock or that of its folder, or the file system takes none.
         """
-        folder = path.parent.resolve()
+        folder = find_place(path.parent)
         _require_unheld(folder)
         return cls._take(folder / path.name, folder / f".{path.name[:_LONGEST_STEM]}{LOCK_FILE}")
 

@@ -21,6 +21,7 @@ import msgspec
 
 from fricomp.errors import OutputError, ParameterError
 from fricomp.folder_lock import FolderLock
+from fricomp.untrusted import find_place, parse_json, read_whole
 from fricomp.whole_file import remove_abandoned_parts
 
 __all__ = [
@@ -76,8 +77,8 @@ class Results:
         if not self.schema:
             return path.exists()
         try:
-            content: Any = msgspec.json.decode(path.read_bytes())
-        except (OSError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+            content: Any = parse_json(read_whole(path))
+        except (OSError, msgspec.MsgspecError):
             return False
         return isinstance(content, dict) and str(content.get("schema")).startswith(self.schema)
 
@@ -230,7 +231,7 @@ def require_free_file(path: Path, *, overwrite: bool = False, inputs: Collection
     Raises:
         OutputError: It is an input, a link, a folder, or there already and not to be replaced.
     """
-    if path.resolve() in {each.resolve() for each in inputs}:
+    if find_place(path) in set(map(find_place, inputs)):
         raise OutputError(f"{path} was read, and would be written over: choose another --out")
     if path.is_symlink():
         raise OutputError(f"{path} is a link, which is not followed: remove it, or choose another --out")
@@ -294,7 +295,7 @@ class Claim:
 
     def __init__(self, folder: Path, results: Results, inputs: Collection[Path], *, is_repeated: bool = False) -> None:
         self.folder, self._results, self.is_repeated = folder, results, is_repeated
-        self._inputs = {path.resolve() for path in inputs}
+        self._inputs = set(map(find_place, inputs))
 
     def clear(self) -> None:
         """Remove what earlier results of the kind left; to be called when the new ones are about to be written.
@@ -304,7 +305,7 @@ class Claim:
         """
         for name in find_results(self.folder, self._results):
             path = self.folder / name
-            if path.is_dir() or path.resolve() in self._inputs:
+            if path.is_dir() or find_place(path) in self._inputs:
                 continue
             try:
                 path.unlink(missing_ok=True)
@@ -377,14 +378,14 @@ def _remove_empty(folders: list[Path]) -> None:
 
 def _keep_inputs(folder: Path, results: Results, inputs: Collection[Path]) -> None:
     for path in inputs:
-        place = path.resolve()
-        if place.parent == folder.resolve() and any(fnmatchcase(place.name, pattern) for pattern in results.files):
+        place = find_place(path)
+        if place.parent == find_place(folder) and any(fnmatchcase(place.name, pattern) for pattern in results.files):
             raise OutputError(f"{results.kind} into {folder} would write over its input {path}: choose another --out")
 
 
 def _files_of(folder: Path, results: Results) -> tuple[str, ...]:
     """What results in a folder have or will have; a motion that was recorded alone has no model."""
-    if results is CALIBRATION and re.search(rb'"motion":\s*"[^"]', (folder / results.record).read_bytes()):
+    if results is CALIBRATION and re.search(rb'"motion":\s*"[^"]', read_whole(folder / results.record)):
         return CALIBRATION.files[:3]
     return results.files
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from fricomp.errors import MissingExtraError, SimulationFileError
+from fricomp.untrusted import read_whole
 
 _NO_MASS, _NO_INERTIA = 1e-9, 1e-12
 """[kg] and [kg·m²] of moving bodies that a file gives none: nothing beside any link."""
@@ -99,7 +100,10 @@ def read_specification(path: str | Path, extra: str = "diagnose") -> Any:
 
 def _refuse_macros(path: Path) -> None:
     """Refuse the source of a URDF: MuJoCo reads what is left when its macros are passed over, or ends at a number."""
-    text = path.read_text(encoding="utf-8", errors="replace")
+    try:
+        text = read_whole(path).decode("utf-8", "replace")
+    except OSError as error:
+        raise SimulationFileError(f"cannot read the simulation {path}: {error.strerror or error}") from error
     if any(mark in text for mark in _MACROS):
         raise SimulationFileError(
             f"{path} is the xacro that a URDF is made of, with macros and values to fill in: give what "

@@ -1,5 +1,7 @@
 """Text and sizes from files that anybody may have made: what would exhaust a parser is an error like any other."""
 
+import errno
+import os
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -23,6 +25,9 @@ _LEAST_LIMIT = 2**30
 """Content that every file may have once it is unpacked [bytes]: an hour of twenty channels at 1 kHz is half of it."""
 _LARGEST_RATIO = 200
 """Largest ratio of content to file: measured numbers compress to a third at best, constant channels to a hundredth."""
+_LARGEST_WHOLE = 2**26
+"""Size of a file that is read as one piece, such as a configuration, a model or a record [bytes]: none has a tenth,
+networks of a thousand joints included."""
 _CELLS = 2**24
 """Cells that every table may have; more where at least one of 200 is filled."""
 _COPIES = 4
@@ -63,6 +68,27 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise tomllib.TOMLDecodeError("it is nested too deeply") from None
     except ValueError as error:
         raise tomllib.TOMLDecodeError(str(error)) from error
+
+
+def read_whole(path: str | os.PathLike[str]) -> bytes:
+    """The bytes of a small file: a configuration, a model, a mapping, a record. What has no end is not waited for.
+
+    Raises:
+        OSError: It cannot be read, is larger than any of these, or its path has a null character.
+    """
+    try:
+        with open(path, "rb") as file:
+            data = file.read(_LARGEST_WHOLE + 1)
+    except ValueError:
+        raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), repr(str(path))) from None
+    if len(data) > _LARGEST_WHOLE:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+    return data
+
+
+def find_place(path: str | os.PathLike[str]) -> Path:
+    """The absolute path without links, also of one that is not there; links in a circle stay as they are."""
+    return Path(os.path.realpath(path))
 
 
 def find_size_limit(path: Path) -> int:

@@ -24,6 +24,8 @@ from typer.testing import CliRunner
 
 from fricomp.adapters.configuration import read_table
 from fricomp.adapters.odrive.endpoint import read_endpoints
+from fricomp.arm.record import load_arm_record
+from fricomp.calibration.table import read_friction_table
 from fricomp.cli.main import app
 from fricomp.cli.terminal import console, plain
 from fricomp.control.compensation.network_file import open_network
@@ -38,6 +40,7 @@ from fricomp.recording.mapping import Source
 from fricomp.recording.named.source import read_named_columns
 from fricomp.recording.sources import read_columns
 from fricomp.report import Chart, Check, Line, Panel, ReportPage, Section, Table, draw_png, write_report
+from fricomp.simulation_file import read_specification
 from fricomp.untrusted import parse_json, parse_toml
 from fricomp.whole_file import write_whole
 
@@ -111,15 +114,55 @@ def test_toml_that_no_parser_takes_is_an_error_of_the_parser(text: str) -> None:
         parse_toml(text)
 
 
-@pytest.mark.parametrize("content", ["[" * DEEP, '{"endpoints":' * DEEP, f"a = {'[' * DEEP}", f"a = {'9' * 5000}"])
+def read_settings(path: Path) -> None:
+    """What `fricomp calibrate --settings` does first."""
+    result = CliRunner().invoke(app, ["calibrate", "--settings", str(path), "--dry-run"])
+    assert result.exception is not None
+    raise result.exception
+
+
+WHOLE: tuple[Callable[[Path], object], ...] = (
+    load_model, load_diagnosis, load_arm_record, read_table, read_controller, load_mapping, read_endpoints,
+    read_settings, open_network, read_specification,
+)  # fmt: skip
+"""Readers of small files, each as one piece."""
+
+
 @pytest.mark.parametrize(
-    "read", [load_model, load_diagnosis, read_table, read_controller, load_mapping, read_endpoints, read_recording]
+    "content",
+    ["[" * DEEP, '{"endpoints":' * DEEP, f"a = {'[' * DEEP}", f"a = {'9' * 5000}", f'{{"schema": {"9" * 5000}}}'],
 )
+@pytest.mark.parametrize("read", [*WHOLE, read_recording, read_friction_table])
 def test_every_reader_of_text_refuses_it(read: Callable[[Path], object], content: str, tmp_path: Path) -> None:
     path = tmp_path / "hostile.csv"
     path.write_text(content)
     with pytest.raises(FricompError, match=r"hostile\.csv"):
         read(path)
+
+
+@pytest.mark.parametrize("read", WHOLE)
+def test_a_file_without_end_is_not_read_to_its_end(read: Callable[[Path], object], tmp_path: Path) -> None:
+    path = tmp_path / "endless.csv"
+    with path.open("wb") as file:
+        file.truncate(2**42)  # takes no place on the disk
+    with pytest.raises(FricompError, match=r"endless\.csv.*(?i:file too large)"):
+        read(path)
+
+
+@pytest.mark.parametrize("read", [load_model, read_endpoints, load_mapping])
+def test_a_path_that_no_file_can_have_is_one_that_is_not_there(read: Callable[[Path], object]) -> None:
+    with pytest.raises(FricompError):
+        read(Path("a\0b"))
+
+
+def test_links_in_a_circle_are_refused_as_inputs_and_as_results(tmp_path: Path) -> None:
+    circle = tmp_path / "circle.csv"
+    circle.symlink_to(circle)
+    (tmp_path / "points.csv").write_text("velocity,torque\n1,1\n")
+    for arguments in (["identify", str(circle)], ["identify", str(tmp_path / "points.csv"), "--out", str(circle)]):
+        result = CliRunner().invoke(app, arguments)
+        assert isinstance(result.exception, FricompError | OSError | SystemExit), result.exception
+        assert result.exit_code
 
 
 def _header(shape: str) -> bytes:

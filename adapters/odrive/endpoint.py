@@ -9,7 +9,7 @@ from typing import NamedTuple
 import msgspec
 
 from fricomp.errors import AdapterConfigurationError
-from fricomp.untrusted import parse_json
+from fricomp.untrusted import parse_json, read_whole
 
 __all__ = [
     "CONTROL_MODE",
@@ -70,7 +70,7 @@ def read_endpoints(path: str | Path) -> tuple[str, dict[str, Endpoint]]:
         AdapterConfigurationError: The file cannot be read, or is something else.
     """
     try:
-        text = Path(path).read_bytes()
+        text = read_whole(path)
     except OSError as error:
         raise AdapterConfigurationError(
             f"cannot read the endpoints {path}: {error.strerror or error}; download the flat_endpoints.json of exactly "

@@ -16,7 +16,7 @@ from fricomp.errors import OutputError, ParameterError, RecordingError, SweepAbo
 from fricomp.folder_lock import FolderLock
 from fricomp.recording import RecordingMetadata, RecordingWriter
 from fricomp.results import CALIBRATION, make_folder, require_free
-from fricomp.untrusted import parse_json
+from fricomp.untrusted import parse_json, read_whole
 from fricomp.version import __version__
 from fricomp.whole_file import remove_abandoned_parts, write_whole
 
@@ -102,7 +102,7 @@ class RunFolder:
         """
         file = Path(path) / _REQUEST
         try:
-            stored = parse_json(file.read_bytes())
+            stored = parse_json(read_whole(file))
             require_free(Path(path), CALIBRATION, overwrite=True)
             return cls(Path(path), msgspec.convert(_changed(stored, changes or {}), _Run))
         except OutputError:

@@ -9,6 +9,7 @@ import msgspec
 
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.errors import DiagnosisError
+from fricomp.untrusted import parse_json, read_whole
 from fricomp.whole_file import whole_file
 
 __all__ = [
@@ -230,7 +231,7 @@ def load_arm_record(path: Path) -> ArmRecord:
         DiagnosisError: The file cannot be read, or is no record of an arm.
     """
     try:
-        record = msgspec.json.decode(path.read_bytes(), type=ArmRecord)
+        record = parse_json(read_whole(path), ArmRecord)
     except (OSError, msgspec.DecodeError) as error:
         raise DiagnosisError(f"cannot read {path} as the record of an arm: {error}") from error
     if record.schema != ARM_SCHEMA:

@@ -12,6 +12,7 @@ import typer
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.panel import Overwrite
 from fricomp.errors import RecordingError
+from fricomp.untrusted import find_place
 
 if TYPE_CHECKING:
     from fricomp.recording import NamedRecording
@@ -161,7 +162,7 @@ def _show_mapping(source: Path, text: str, out: Path | None, what: str) -> None:
 
 def _require_different(targets: list[Path]) -> None:
     """Refuse to write one recording over another."""
-    places = [target.resolve() for target in targets]
+    places = [find_place(target) for target in targets]
     for target, place in zip(targets, places, strict=True):
         if places.count(place) > 1:
             raise RecordingError(

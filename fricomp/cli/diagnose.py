@@ -383,11 +383,13 @@ def _fleet_settings(options: dict[str, Any], given: dict[str, Path | None]) -> d
     """
     from hashlib import sha256
 
+    from fricomp.untrusted import read_whole
+
     settings = {}
     for name, value in {**options, **given}.items():
         settings[name] = str(value.absolute() if isinstance(value, Path) else value)
         if name in ("simulated", "controller") and value is not None:
-            settings[name] += f", sha256 {sha256(value.read_bytes()).hexdigest()}"
+            settings[name] += f", sha256 {sha256(read_whole(value)).hexdigest()}"
     return settings
 
 

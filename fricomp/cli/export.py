@@ -167,9 +167,10 @@ def _render(
 def _read(path: Path) -> str:
     """The MJCF or URDF file to write into; an editor's byte order mark is no part of it."""
     from fricomp.errors import ExportError
+    from fricomp.untrusted import read_whole
 
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return read_whole(path).decode("utf-8-sig")
     except OSError as error:
         raise ExportError(f"cannot read {path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:

@@ -14,6 +14,7 @@ import typer
 
 from fricomp.errors import ParameterError
 from fricomp.results import claim_single_files
+from fricomp.untrusted import parse_toml, read_whole
 from fricomp.whole_file import write_whole
 
 OF_ONE_CALL = (
@@ -42,7 +43,7 @@ def use_settings(context: typer.Context, file: Path | None) -> Path | None:
     if file is not None:
         options = {option.name: option for option in _options(context)}
         try:
-            table = tomllib.loads(file.read_text("utf-8"))
+            table = parse_toml(read_whole(file).decode("utf-8"))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
             raise ParameterError(f"cannot read the settings {file}: {error}") from error
         names = {key: key.replace("-", "_") for key in table}

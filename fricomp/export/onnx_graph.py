@@ -18,6 +18,7 @@ from fricomp.export.onnx_nodes import NodeWriter
 from fricomp.export.onnx_terms import closed_form
 from fricomp.laws import FloatArray, find_inputs
 from fricomp.model import FrictionModel
+from fricomp.untrusted import read_whole
 from fricomp.whole_file import write_whole
 
 __all__ = ["STATE_COLUMNS", "closed_form_graph", "save_graph", "stack_networks", "state_columns"]
@@ -185,7 +186,7 @@ def _onnx() -> Any:
 def _read_network(onnx: Any, path: Path, any_status: bool) -> tuple[dict[str, FloatArray], dict[str, str]]:
     """The weights of a network by name, and its metadata."""
     try:
-        model = onnx.load(str(path), load_external_data=False)
+        model = onnx.load_model_from_string(read_whole(path))
         check_graph(model)
         table = {item.name: onnx.numpy_helper.to_array(item) for item in model.graph.initializer}
     except Exception as error:  # protobuf raises its own kinds

@@ -15,11 +15,12 @@ from typing import Any
 
 from fricomp.errors import RecordingError
 from fricomp.recording.named.source import is_bag_folder
-from fricomp.untrusted import parse_toml
+from fricomp.untrusted import parse_toml, read_whole
 
 _SUFFIXES = (".csv", ".parquet", ".pq")
 _MAGIC = "*?["
 _OF_FLEET = ("rows", "fleet.json", "fleet.html", "fleet.parquet")  # what lies beside the folders of the joints
+_HEAD = 2**16  # of a table, in which its header ends [letters]
 _LONGEST_NAME = 200  # [bytes]; file systems take 255, and numbers and suffixes are added to it
 
 
@@ -85,10 +86,11 @@ def is_joint_table(source: str) -> bool:
         return False
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as stream:
-            header = next((line for line in stream if line.strip() and not line.startswith("#")), "")
+            lines = stream.read(_HEAD).splitlines()  # what is no text may be one endless line
     except OSError:
         return False
-    return "recording" in _cells(header[:9999])  # what is no text may be one endless line
+    header = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    return "recording" in _cells(header[:9999])
 
 
 def _cells(header: str) -> list[str]:
@@ -126,7 +128,7 @@ def read_joint_table(path: Path, defaults: FleetJoint) -> list[FleetJoint]:
     """
     try:
         rows = _read_toml(path) if path.suffix.lower() == ".toml" else _read_csv(path)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error, tomllib.TOMLDecodeError) as error:
         raise RecordingError(f"cannot read the table of joints {path}: {error}") from error
     unknown = sorted({key for row in rows for key in row} - set(_COLUMNS))
     if unknown or not rows:
@@ -136,7 +138,7 @@ def read_joint_table(path: Path, defaults: FleetJoint) -> list[FleetJoint]:
 
 
 def _read_csv(path: Path) -> list[dict[str, Any]]:
-    lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip() and line[0] != "#"]
+    lines = [line for line in read_whole(path).decode("utf-8-sig").splitlines() if line.strip() and line[0] != "#"]
     twice = [name for name, often in Counter(_cells(lines[0]) if lines else ()).items() if name and often > 1]
     if twice:
         raise RecordingError(f"{path} has the column {twice[0]!r} twice: several recordings stand between semicolons")
@@ -145,7 +147,7 @@ def _read_csv(path: Path) -> list[dict[str, Any]]:
 
 
 def _read_toml(path: Path) -> list[dict[str, Any]]:
-    content = parse_toml(path.read_text(encoding="utf-8-sig"))
+    content = parse_toml(read_whole(path).decode("utf-8-sig"))
     rows = content.get("joint")
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise RecordingError(f"{path} is no table of joints: it needs tables [[joint]] with a recording each")

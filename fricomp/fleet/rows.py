@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from fricomp.errors import RecordingError
-from fricomp.untrusted import parse_json
+from fricomp.untrusted import parse_json, read_whole
 from fricomp.whole_file import whole_file, write_whole
 
 from .joint import FleetJoint
@@ -55,7 +55,7 @@ def begin_fleet(out: Path, settings: Mapping[str, Any], resume: bool) -> dict[st
 
 def _require_settings(path: Path, wanted: Mapping[str, Any]) -> None:
     try:
-        found = parse_json(path.read_bytes())
+        found = parse_json(read_whole(path))
     except msgspec.DecodeError as error:
         raise RecordingError(f"the settings {path} of this fleet are damaged: give another --out") from error
     if found == wanted:

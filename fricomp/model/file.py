@@ -16,7 +16,7 @@ from fricomp.errors import FricompError, ModelFileError
 from fricomp.laws import FrictionLaw, Term, term_class
 from fricomp.model.dynamics import JointDynamics
 from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, Validity
-from fricomp.untrusted import parse_json
+from fricomp.untrusted import parse_json, read_whole
 from fricomp.whole_file import write_whole
 
 MODEL_SCHEMA = "fricomp.model/1"
@@ -87,7 +87,7 @@ def load_model(path: str | os.PathLike[str]) -> FrictionModel:
         ModelFileError: The file is missing, damaged, foreign, in units of its own, or written by a newer version.
     """
     try:
-        data = Path(path).read_bytes()
+        data = read_whole(path)
     except OSError as error:
         raise ModelFileError(f"cannot read the model file {path}: {error.strerror or error}") from error
     return decode_model(data, str(path))

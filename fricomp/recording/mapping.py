@@ -25,7 +25,7 @@ from msgspec import Meta
 
 from fricomp.errors import RecordingError
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS
-from fricomp.untrusted import parse_toml
+from fricomp.untrusted import parse_toml, read_whole
 
 Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2", "parquet"]
 Column = Annotated[int, Meta(ge=1)] | str
@@ -223,10 +223,11 @@ def _read_mapping(name_or_path: str | Path) -> str:
     if str(name_or_path) in list_mappings():
         return (_FOLDER / f"{name_or_path}.toml").read_text(encoding="utf-8")
     try:
-        return Path(name_or_path).read_text(encoding="utf-8-sig")
+        return read_whole(name_or_path).decode("utf-8-sig")
     except OSError as error:
         raise RecordingError(
-            f"no mapping {str(name_or_path)!r}: give a TOML file or one of {', '.join(list_mappings())}"
+            f"no mapping {str(name_or_path)!r} ({error.strerror}): give a TOML file or one of "
+            f"{', '.join(list_mappings())}"
         ) from error
 
 

@@ -41,6 +41,7 @@ from fricomp.cli.terminal import console, progress
 from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import AdapterError, SweepAborted
 from fricomp.recording import write_recording
+from fricomp.untrusted import find_place
 
 if TYPE_CHECKING:
     from fricomp.live.feed import LiveFeed
@@ -117,7 +118,7 @@ def _no_going_on(folder: RunFolder) -> str:
 def record_file(request: CalibrationRequest, out: Path, shown: Shown = _UNSEEN, *, overwrite: bool = False) -> None:
     """Record the motion of a request into a new folder, or in place of the run that is there."""
     wanted = read_motion(request.motion)
-    if Path(request.motion).resolve() in {(out / name).resolve() for name in (RECORDING, MOTION_ALONE)}:
+    if find_place(request.motion) in {find_place(out / name) for name in (RECORDING, MOTION_ALONE)}:
         raise SweepAborted(f"recording into {out} would replace the motion {request.motion}: choose another --out")
     with (
         _watching(request, shown) as feed,

@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
-from fricomp.untrusted import parse_toml
+from fricomp.untrusted import parse_toml, read_whole
 
 from .left_out import fit_without_blocks
 from .settings import INPUT
@@ -97,7 +97,7 @@ def read_controller(path: str | Path) -> Controller:
         DiagnosisError: The file cannot be read, or a gain is missing, unknown or not a number.
     """
     try:
-        table = parse_toml(Path(path).read_text(encoding="utf-8"))
+        table = parse_toml(read_whole(path).decode("utf-8"))
         found = msgspec.convert(table.get("controller", table), _File)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DiagnosisError(f"cannot read the controller {path}: {error}") from error

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError
-from fricomp.untrusted import parse_json
+from fricomp.untrusted import parse_json, read_whole
 from fricomp.whole_file import write_whole
 
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
@@ -49,7 +49,7 @@ def load_diagnosis(path: str | Path) -> DiagnosisRecord:
         DiagnosisError: The file is missing, damaged, or of another schema.
     """
     try:
-        record = parse_json(Path(path).read_bytes(), DiagnosisRecord)
+        record = parse_json(read_whole(path), DiagnosisRecord)
     except OSError as error:
         raise DiagnosisError(f"cannot read the diagnosis {path}: {error.strerror or error}") from error
     except msgspec.DecodeError as error:

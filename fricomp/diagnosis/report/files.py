@@ -18,6 +18,7 @@ from fricomp.export import apply_to_mjcf, export_mjcf
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, encode_model, save_model
 from fricomp.report import draw_png, write_report
+from fricomp.untrusted import read_whole
 from fricomp.whole_file import write_whole
 
 from ..effects import EFFECTS
@@ -149,7 +150,7 @@ def _save_mjcf(diagnosis: Diagnosis, simulation: Path | None, joint: str | None)
         unit = _MECHANICAL[model.motion]
         if model.torque_unit != unit:
             raise DiagnosisError(f"MuJoCo wants {unit}, and the torque of this recording is in {model.torque_unit}")
-        text = simulation.read_text(encoding="utf-8-sig") if simulation is not None else None
+        text = read_whole(simulation).decode("utf-8-sig") if simulation is not None else None
         name = joint or (_find_only_joint(text) if text is not None else None) or model.joint
         if diagnosis.recorded is not None and model.dynamics is not None:
             with suppress(FricompError):  # a file that includes others is written into, but not simulated on its own

@@ -15,7 +15,7 @@ from .text_layout import FIRST_LINES, parse_number
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _LETTER = "A-Za-zµ°%·/²^*"
 _LABELLED = re.compile(
-    rf"""["']?([A-Za-z_][\w./]{{0,80}}(?:\s?[\[(][^\])]{{0,40}}[\])])?)["']?\s*[:=]\s*({_NUMBER}|nan)"""
+    rf"""["']?(?<!\w)([A-Za-z_][\w./]{{0,80}}(?:\s?[\[(][^\])]{{0,40}}[\])])?)["']?\s*[:=]\s*({_NUMBER}|nan)"""
     rf"""(?:i\b)?(?:\s?((?!x[\da-f])[{_LETTER}]+2?)(?!["'\w.]*\s*[:=]))?(?![\w.:])""",
     re.IGNORECASE,
 )
