@@ -163,7 +163,7 @@ def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
 def _wanted_keys(plan: _Plan) -> list[Column]:
     keys = [plan.key(rule.column, rule.joint_step) for rule in plan.channels.values() if rule.column is not None]
     keys += [plan.key(rule.times) for rule in plan.channels.values() if rule.times is not None]
-    keys += [plan.key(rule.nanoseconds) for rule in plan.channels.values() if rule.nanoseconds is not None]
+    keys += [plan.key(rest) for rule in plan.channels.values() for rest, _ in _list_rests(rule)]
     return keys + ([plan.key(plan.file.where.column)] if plan.file.where else [])
 
 
@@ -261,13 +261,19 @@ def _in_order(channels: dict[str, ChannelRule]) -> list[str]:
     return order
 
 
+def _list_rests(rule: ChannelRule) -> list[tuple[Column, float]]:
+    """Columns of the rest of a stamp of whole seconds, and what one of it is [s]."""
+    rests = ((rule.nanoseconds, 1e-9), (rule.microseconds, 1e-6))
+    return [(column, one) for column, one in rests if column is not None]
+
+
 def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done: dict[str, Samples]) -> Samples:
     rule = plan.channels[name]
     values = _origin(rule, plan, columns, rows, done)
     if rule.signed_bits is not None:
         values = np.where(values >= 2.0 ** (rule.signed_bits - 1), values - 2.0**rule.signed_bits, values)
-    if rule.nanoseconds is not None:
-        values = values - values[:1] + 1e-9 * _take(find_column(columns, plan.key(rule.nanoseconds)), rows)
+    for rest, one in _list_rests(rule):
+        values = values - values[:1] + one * _take(find_column(columns, plan.key(rest)), rows)
     if rule.times is not None:
         values = values * _take(find_column(columns, plan.key(rule.times)), rows)
     if rule.unit is not None:

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from fricomp.recording.named.choice import INTEGRAL
-from fricomp.recording.named.clock import NANOSECONDS, says_steps
+from fricomp.recording.named.clock import PARTS_OF_SECONDS, says_steps
 from fricomp.recording.named.log import NamedLog
 from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
@@ -35,8 +35,11 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     lines += ['torque_side = "motor"'] if metadata.torque_side == "motor" else []
     lines += [] if known["encoder_resolution"] else [_ENCODER]
     stamps, meaning = next(iter(joints.values()))["time"]
-    seconds, *rest = stamps.split(NANOSECONDS)
-    parts = [f"nanoseconds = {render_column(one, layout)}" for one in rest]
+    seconds, parts = stamps, list[str]()
+    for unit, between in (("nanoseconds", PARTS_OF_SECONDS[1e-9]), ("microseconds", PARTS_OF_SECONDS[1e-6])):
+        if between in stamps:
+            seconds, rest = stamps.split(between)
+            parts = [f"{unit} = {render_column(rest, layout)}"]
     parts += ["steps = true"] if says_steps(seconds) else []
     lines += ["", "[channels]", _rule("time", seconds, meaning.unit, layout, *parts, "from_zero = true")]
     for name, columns in joints.items():
@@ -56,7 +59,9 @@ def describe_source(path: Path, layout: TextLayout | None) -> list[str]:
     skipped = layout.names_line if layout.is_plain else layout.rows_line
     lines = ["[source]", f"header = {str(layout.is_plain).lower()}", f"delimiter = {_quote(layout.delimiter)}"]
     lines += [f"skip_lines = {skipped}"] if skipped else []
-    return lines if layout.decimal == "." else [*lines, 'decimal = ","  # "." where numbers have points']
+    if layout.decimal == ",":
+        return [*lines, 'decimal = ","  # "." where numbers have points']
+    return lines if layout.delimiter == "," else [*lines, 'decimal = "."']
 
 
 def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more: str) -> str:

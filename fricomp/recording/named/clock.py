@@ -55,9 +55,10 @@ _SPELLED = {
     "µs": "us",
 }
 _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
-_SECONDS = re.compile(r"^(.*?)(secs?|seconds)$", re.IGNORECASE)
-_PARTS = ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds")
-"""What the rest of a stamp is called, in whose name that of its seconds is changed."""
+_SECONDS = re.compile(r"^(.*?)(secs?|seconds|s)$", re.IGNORECASE)
+_PARTS = {name: 1e-9 for name in ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds", "ns")}
+_PARTS |= {name: 1e-6 for name in ("microsec", "usec", "usecs", "microsecs", "microseconds", "us")}
+"""What the rest of a stamp is called, in whose name that of its seconds is changed, and what one of it is [s]."""
 TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 """Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
 
@@ -72,15 +73,15 @@ _MOSTLY = 0.05
 _FAR_MORE_EVEN = 0.5
 """Unevenness over that of the clock with the plainest name, below which another clock is taken."""
 
-NANOSECONDS = " + 1e-9 "
-"""Between the names of two columns that are one time: seconds and nanoseconds."""
+PARTS_OF_SECONDS = {1e-9: " + 1e-9 ", 1e-6: " + 1e-6 "}
+"""What stands between the names of two columns that are one time, by what one of the second is [s]."""
 
 
 class RowTimes(NamedTuple):
     """When the rows of a log were taken.
 
     Attributes:
-        column: Its name, or those of seconds and nanoseconds with `NANOSECONDS` between.
+        column: Its name, or those of seconds and of the rest with one of `PARTS_OF_SECONDS` between.
         unit: Of the column, by name.
         time: Since the first row [s]. Shape (n_rows,).
     """
@@ -118,7 +119,14 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     rows = max(values.size for values in columns.values()) if columns else 0
     period = {name: values for name, values in columns.items() if values.size == 1 < rows and _PERIOD.match(name)}
     columns = {name: values for name, values in columns.items() if name not in period}
-    names = _prefer_even(columns, sorted(find_stamps(columns), key=lambda name: not _rises(columns[name])))
+    split = _find_split_stamp(columns)
+    stamps = [name for name in find_stamps(columns) if split is None or name not in split]
+    names = _prefer_even(columns, sorted(stamps, key=lambda name: not _rises(columns[name])))
+    if split is not None and not names:
+        whole, rest, one = split
+        seconds, parts = columns[whole], columns[rest]
+        time = (seconds - seconds[0]) + one * (parts - parts[0])
+        return RowTimes(f"{whole}{PARTS_OF_SECONDS[one]}{rest}", "s", time)
     names = names or _find_epochs(columns)
     if not names:
         if period:
@@ -128,11 +136,6 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
             _require_times(path, steps, columns[steps])
             unit = _read_unit(steps) or _guess_unit(np.cumsum(columns[steps]))
             return RowTimes(steps, unit, np.cumsum(columns[steps]) * find_unit(unit).factor)
-        split = _find_split_stamp(columns)
-        if split is not None:
-            seconds, rest = columns[split[0]], columns[split[1]]
-            _require_times(path, split[0], seconds)
-            return RowTimes(NANOSECONDS.join(split), "s", (seconds - seconds[0]) + 1e-9 * (rest - rest[0]))
         if all(read_column_name(name) is None for name in columns):
             raise RecordingError(_explain_nameless(path, columns))
         raise RecordingError(
@@ -276,11 +279,22 @@ def _read_unit(name: str) -> str:
     return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
 
 
-def _find_split_stamp(columns: Mapping[str, Samples]) -> tuple[str, str] | None:
-    """The columns of seconds and of nanoseconds that are one stamp."""
+def _find_split_stamp(columns: Mapping[str, Samples]) -> tuple[str, str, float] | None:
+    """The columns of whole seconds and of the rest that are one stamp, and what one of the rest is [s]."""
+    lower = {name.lower(): name for name in columns}
     for name in columns:
         match = _SECONDS.match(name)
-        for part in _PARTS if match else ():
-            if match and match.group(1) + part in columns:
-                return name, match.group(1) + part
+        found = [(lower.get(match.group(1).lower() + part), one) for part, one in _PARTS.items()] if match else []
+        for rest, one in found:
+            if rest is not None and rest != name and _is_rest(columns[name], columns[rest], one):
+                return name, rest, one
     return None
+
+
+def _is_rest(seconds: Samples, rest: Samples, one: float) -> bool:
+    """Whether one column holds whole seconds that never go back for long, and the other parts of a second."""
+    known = seconds[np.isfinite(seconds)]
+    parts = rest[np.isfinite(rest)]
+    if known.size < 2 or not parts.size or np.any(known != np.round(known)):
+        return False
+    return bool(parts.min() >= 0.0 and parts.max() * one < 1.0 and np.ptp(parts) > 0.0)

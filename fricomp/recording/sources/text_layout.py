@@ -20,6 +20,8 @@ _MARKS = (";", "\t", "|", ",", "")
 """What may stand between cells; nothing stands for white space."""
 _COMMENTS = ("#", "%", "//")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
+_DECIMAL_POINT = re.compile(r"[+-]?(?:0?\.\d+|\d+\.(?!\d{3}$)\d+|\d{1,3}(?:,\d{3})+\.\d+)(?:[eE][+-]?\d+)?")
+"""A number whose point cannot stand between thousands."""
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
 _SLASHES = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*([AaPp][Mm])?")
@@ -46,8 +48,8 @@ _UNIT_LABEL = re.compile(r"^\s*(?:units?|einheit(?:en)?)\s*[:=]\s*", re.IGNORECA
 """What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
 _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
 """A line that is drawn between names and rows."""
-_LABELS_OF_UNITS = ("unit", "units", "einheit", "einheiten", "y_unit_label")
-"""What stands before a line of units."""
+_LABEL_OF_UNITS = re.compile(r"(?:.*[ _])?(?:units?|einheit(?:en)?)(?:[ _]label)?", re.IGNORECASE)
+"""What stands before a line of units: `Units`, `Vertical Units`."""
 _MOSTLY_UNITS = 0.6
 """Part of the words of a line that are units, from which on the others are units that nobody here knows."""
 _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
@@ -62,7 +64,6 @@ _UNIT_WORDS = frozenset(name.lower() for name in UNITS) | {
     "rad/sec",
     "%",
     "w",
-    *_LABELS_OF_UNITS,
 }
 _LEAST_NUMBERS = 0.3
 """Part of a line's cells that are numbers, from which on it is a row."""
@@ -250,12 +251,15 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
 
 
 def _find_decimal(rows: Sequence[str], mark: str) -> str:
-    """The decimal mark: a comma where it is not the delimiter, and in quotes where it cannot be between thousands."""
-    if mark != ",":
-        return ","
-    quoted = [cell for row in rows if '"' in row for cell in split_cells(row, mark) if "," in cell]
-    decimals = [cell for cell in quoted if _DECIMAL_COMMA.fullmatch(cell) and not _THOUSANDS.fullmatch(cell)]
-    return "," if decimals and not any("." in cell for cell in quoted) else "."
+    """The decimal mark: the one that stands where no mark between thousands can; a comma where nothing tells.
+
+    Commas that are not in quotes are no decimal marks where they are the delimiter.
+    """
+    cells = {cell for row in rows for cell in split_cells(row, mark) if mark != "," or '"' in row}
+    commas = any(_DECIMAL_COMMA.fullmatch(cell) and not _THOUSANDS.fullmatch(cell) for cell in cells)
+    if commas or any(map(_DOTTED.fullmatch, cells)):
+        return "," if mark != "," or not any("." in cell for cell in cells if "," in cell) else "."
+    return "." if mark == "," or any(map(_DECIMAL_POINT.fullmatch, cells)) else ","
 
 
 def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
@@ -345,12 +349,13 @@ def _are_units(cells: Sequence[str], least: float = 1.0) -> bool:
 
 def _is_unit(cell: str) -> bool:
     cell = _UNIT_LABEL.sub("", cell)
-    return cell.lower() in _UNIT_WORDS or bool(read_unit(cell)) or _BRACKETS.fullmatch(cell) is not None
+    known = cell.lower() in _UNIT_WORDS or _LABEL_OF_UNITS.fullmatch(cell) is not None
+    return known or bool(read_unit(cell)) or _BRACKETS.fullmatch(cell) is not None
 
 
 def _with_unit(name: str, unit: str) -> str:
     bare = _UNIT_LABEL.sub("", unit).strip("[]()")
-    if not bare or bare in "-–" or bare.lower() in _LABELS_OF_UNITS:
+    if not bare or bare in "-–" or _LABEL_OF_UNITS.fullmatch(bare):
         return name
     is_known = bare.lower() in _UNIT_WORDS or read_bracket(bare) != ""
     return f"{name} [{bare}]" if is_known else f"{name} [{UNKNOWN_UNIT} {bare}]"
