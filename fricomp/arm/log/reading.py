@@ -13,6 +13,7 @@ from fricomp.arm.rigid.naming import match_joints
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording, RecordingMetadata, convert, load_mapping, read_recording
+from fricomp.recording.named.choice import INTEGRAL
 from fricomp.recording.named.log import NamedLog, is_native, read_named_log, separate_joints, slides_by_force_alone
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import is_bag_folder
@@ -150,8 +151,25 @@ def _read_one(
         return (read_recording(path),)
     else:
         log = read_named_log(path, channels)
+    if simulated[0] is not None:
+        _require_positions(path, log)
     notes += log.notes
     return _turn_as_simulated(path, log, *simulated, notes)
+
+
+def _require_positions(path: Path, log: NamedLog) -> None:
+    """Refuse velocities alone: their integrals have no zero, and what links weigh hangs on where an arm is.
+
+    Raises:
+        RecordingError: A joint of several has no position.
+    """
+    without = [joint for joint, own in log.sources.items() if own["position"][0] == INTEGRAL]
+    if len(log.recordings) > 1 and without:
+        raise RecordingError(
+            f"{path} does not say where the positions of {', '.join(without)} are, and velocities alone do not tell "
+            "where an arm was: say it by --channel position=NAME, the name of such columns without their joint or "
+            f"number ('fricomp convert {path} --inspect' lists them), or record them"
+        )
 
 
 def _turn_as_simulated(

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.new_zero import find_new_zeros
 from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES, measure_quantum, read_at_rest, snap_period
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.finding import Finding
@@ -137,6 +138,10 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
     if not jumps.size:
         return ()
     row = int(jumps[0])
+    if row in find_new_zeros(recording):
+        message = f"the zero of position is set anew: it jumps by {step[row]:.5g} {recording.metadata.position_unit}"
+        advice = "identify and diagnose move what is before it"
+        return (Finding("jump", "warning", f"{message} and the joint goes on as before", advice, row + 2, "position"),)
     message = f"position jumps by {step[row]:.5g} {recording.metadata.position_unit} where {usual[row]:.2g} is usual"
     return (Finding("jump", "warning", message, "look for lost samples; split there", row + 2, "position"),)
 

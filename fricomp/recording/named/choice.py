@@ -25,6 +25,7 @@ from .column import (
     simplify_joint,
     without_observation,
 )
+from .position_by_rate import find_position_by_rate
 from .shared_rest import read_currents, read_shared_rests
 from .vendor import read_vendor_name, with_vendor_unit
 
@@ -62,7 +63,8 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
         joint: {channel: _choose_one(path, channel, found) for channel, found in own.items()}
         for joint, own in wanted.items()
     }
-    return {joint: _with_position(own) for joint, own in chosen.items()}
+    taken = {name for own in candidates.values() for found in own.values() for name, _ in found}
+    return {joint: _with_position(columns, own, taken) for joint, own in chosen.items()}
 
 
 def list_names(names: Iterable[str]) -> str:
@@ -246,9 +248,18 @@ def _choose_one(path: Path, channel: str, found: Sequence[tuple[str, ColumnMeani
     return best[0]
 
 
-def _with_position(own: dict[str, tuple[str, ColumnMeaning]]) -> dict[str, tuple[str, ColumnMeaning]]:
-    """With the integral of the velocity where there is no position and no motor's."""
+def _with_position(
+    columns: Mapping[str, Samples], own: dict[str, tuple[str, ColumnMeaning]], taken: Collection[str]
+) -> dict[str, tuple[str, ColumnMeaning]]:
+    """With what the velocity is the rate of, or its integral, where nothing is called a position or a motor's.
+
+    Args:
+        columns: All by name.
+        own: Column and meaning of a joint by channel.
+        taken: Names of columns that say what they hold.
+    """
     if "position" in own or "motor_position" in own or "velocity" not in own:
         return own
-    meaning = own["velocity"][1]
-    return {"position": (INTEGRAL, ColumnMeaning("position", meaning.joint, 0, "")), **own}
+    velocity, meaning = own["velocity"]
+    column = find_position_by_rate(columns, velocity, taken) or INTEGRAL
+    return {"position": (column, ColumnMeaning("position", meaning.joint, 0, "")), **own}

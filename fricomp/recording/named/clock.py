@@ -41,7 +41,8 @@ _PERIOD = re.compile(
 )
 """Names of a single number that is the time from row to row."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
-_TICK, _MOTOR_STATE = re.compile(r"(^|[/_.])tick$"), re.compile(r"motor_?state", re.IGNORECASE)
+_TICK = re.compile(r"(^|[/_. ])ticks?$", re.IGNORECASE)
+_MOTOR_STATE = re.compile(r"motor_?state", re.IGNORECASE)
 """The counter of milliseconds beside the motors' states of a robot by Unitree."""
 _SAID = re.compile(rf"(?<![a-zа-я]){_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {
@@ -56,8 +57,8 @@ _SPELLED = {
 }
 _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds|s)$", re.IGNORECASE)
-_PARTS = {name: 1e-9 for name in ("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds", "ns")}
-_PARTS |= {name: 1e-6 for name in ("microsec", "usec", "usecs", "microsecs", "microseconds", "us")}
+_PARTS = dict.fromkeys(("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds", "ns"), 1e-09)
+_PARTS |= dict.fromkeys(("microsec", "usec", "usecs", "microsecs", "microseconds", "us"), 1e-06)
 """What the rest of a stamp is called, in whose name that of its seconds is changed, and what one of it is [s]."""
 TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 """Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
@@ -127,7 +128,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         seconds, parts = columns[whole], columns[rest]
         time = (seconds - seconds[0]) + one * (parts - parts[0])
         return RowTimes(f"{whole}{PARTS_OF_SECONDS[one]}{rest}", "s", time)
-    names = names or _find_epochs(columns)
+    names = names or _find_epochs(columns) or _find_ticks(columns)
     if not names:
         if period:
             return _count_rows(path, *period.popitem(), rows)
@@ -208,6 +209,12 @@ def _find_epochs(columns: Mapping[str, Samples]) -> list[str]:
     return sorted(found, key=lambda name: _measure_unevenness(finite[name]))
 
 
+def _find_ticks(columns: Mapping[str, Samples]) -> list[str]:
+    """Names of counters that go on by more than one from row to row: parts of a second, and no numbers of rows."""
+    named = {name: values[np.isfinite(values)] for name, values in columns.items() if _TICK.search(name)}
+    return [name for name, ticks in named.items() if _rises(ticks) and _measure_step(ticks) > 1.0]
+
+
 def _are_days(stamps: Samples, step: float) -> bool:
     """Whether these are days since 1900 or the year 0, as spreadsheets and MATLAB write dates: in seconds such steps
     would be those of 50 kHz and more.
@@ -273,9 +280,7 @@ def _read_unit(name: str) -> str:
     """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
     said = _SAID.search(name)
     if said is None or said.start() == 0:
-        return {"tick": "ms", "ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(
-            name.lower(), ""
-        )
+        return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
     return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
 
 

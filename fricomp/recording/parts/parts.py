@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.folded_torque import find_fold, unfold
+from fricomp.recording.checks.new_zero import join_zeros
 from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES
 from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
 from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
@@ -105,6 +106,7 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     if unwrapped is None:
         return _leave_whole(recording)  # the checks say what to write: a velocity may be in either unit
     whole, turned = unwrapped
+    whole, zeroed = join_zeros(whole)
     whole, unfolded = _read_true_torque(whole)
     whole, jumps, strays = _leave_strays(whole)
     whole, missing = count_missing_rows(whole)
@@ -122,7 +124,7 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     left_out = tuple(one for one in (*strays, rests, *useless, short) if one.rows)
     arrived = () if bursts is None else (bursts.sentence,)
     counted = () if missing is None else (missing.sentence,)
-    changes = (*arrived, *turned, *unfolded, *counted, *thinned, *slowed)
+    changes = (*arrived, *turned, *zeroed, *unfolded, *counted, *thinned, *slowed)
     return UsableParts(recording, kept, parts, left_out, clock, changes, len(recording), recording.duration)
 
 

@@ -179,6 +179,13 @@ def test_what_does_not_say_its_columns_is_refused(tmp_path: Path, columns: dict[
         read_arm_log([write_csv(tmp_path / "log.csv", columns)])
 
 
+def test_velocities_alone_do_not_say_where_an_arm_was(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "log.csv", {"time": TIME, **number("dq_", POSITION), **number("tau_", TORQUE)})
+    assert len(read_arm_log([path]).recordings) == N_JOINTS
+    with pytest.raises(RecordingError, match="velocities alone do not tell where an arm was: say it by --channel pos"):
+        read_arm_log([path], simulation="arm.urdf")
+
+
 def write_files_of_joints(folder: Path, names: tuple[str, ...]) -> Path:
     """A recording a file whose columns are called as channels are, so that nothing in it names the joint."""
     log = folder / "log"

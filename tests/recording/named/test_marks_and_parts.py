@@ -26,7 +26,9 @@ def write(path: Path, lines: Sequence[str]) -> Path:
 
 def fill(form: str) -> list[str]:
     rows = zip(TIME, POSITION, TORQUE, strict=True)
-    return [form.format(us=round(1e6 * t), ms=round(1e3 * t), t=t, mrad=1e3 * q, q=q, mnm=1e3 * u, u=u) for t, q, u in rows]
+    return [
+        form.format(us=round(1e6 * t), ms=round(1e3 * t), t=t, mrad=1e3 * q, q=q, mnm=1e3 * u, u=u) for t, q, u in rows
+    ]
 
 
 def write_commas_between_thousands(folder: Path) -> Path:
@@ -58,6 +60,10 @@ def write_capitals(folder: Path) -> Path:
     return write_parts(folder, "Seconds", "NanoSeconds", 10**9)
 
 
+def write_ticks(folder: Path) -> Path:
+    return write(folder / "log.csv", ["tick,q,tau", *fill("{us},{q:.9f},{u:.9f}")])
+
+
 def write_label_of_units(folder: Path) -> Path:
     above = ["Model,MSO5204", "Sample Interval,4e-3,s", "Vertical Units,rad,mNm", "", "TIME,Position,Torque"]
     return write(folder / "scope.csv", above + fill("{t:.6f},{q:.9f},{mnm:.6f}"))
@@ -65,7 +71,7 @@ def write_label_of_units(folder: Path) -> Path:
 
 FORMS: list[Write] = [
     write_commas_between_thousands, write_points_beside_whole_thousands, write_nanoseconds, write_microseconds,
-    write_capitals, write_label_of_units,
+    write_capitals, write_ticks, write_label_of_units,
 ]  # fmt: skip
 
 
@@ -84,3 +90,22 @@ def test_seconds_beside_all_of_the_microseconds_are_two_clocks(tmp_path: Path) -
     rows = fill("{t:.0f},{us},{q:.9f},{u:.9f}")
     recording = read_content(write(tmp_path / "log.csv", ["t_s,t_us,q,tau", *rows])).recording
     assert recording.time - recording.time[0] == pytest.approx(TIME - TIME[0], abs=1e-6)
+
+
+def test_what_the_velocity_is_the_rate_of_is_the_position(tmp_path: Path) -> None:
+    """A state of a data set of learning says nothing of itself; the action beside it is a command."""
+    speed = np.gradient(POSITION, TIME)
+    rows = [
+        f"{t:.6f},{q + 0.02:.9f},{v:.9f},{u:.9f},{q:.9f}"
+        for t, q, v, u in zip(TIME, POSITION, speed, TORQUE, strict=True)
+    ]
+    names = "timestamp,action:1,observation.velocity:1,observation.effort:1,observation.state:1"
+    recording = read_content(write(tmp_path / "log.csv", [names, *rows])).recording
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
+
+
+def test_the_integral_stands_in_where_nothing_moves_at_that_rate(tmp_path: Path) -> None:
+    speed = np.gradient(POSITION, TIME)
+    rows = [f"{t:.6f},{t**2:.9f},{v:.9f},{u:.9f}" for t, v, u in zip(TIME, speed, TORQUE, strict=True)]
+    recording = read_content(write(tmp_path / "log.csv", ["time,x9,velocity,tau", *rows])).recording
+    assert recording.position - recording.position[0] == pytest.approx(POSITION - POSITION[0], abs=1e-3)

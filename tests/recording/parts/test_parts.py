@@ -101,10 +101,10 @@ def test_a_torn_stretch_and_single_outliers_of_position_are_left_out() -> None:
 
 def test_a_position_that_jumps_for_good_is_cut_there() -> None:
     log = joint_log(20.0, 500.0, 9)
-    moved = np.array(log.position)
-    moved[4500:] += 1.7
-    usable = find_usable_parts(log.with_channels(position=moved))
-    assert [len(part) for part in usable.parts] == [4500, 5500]
+    elsewhere = 4500 + int(np.argmax(np.abs(log.position[4500:6000] - log.position[4499])))
+    lost = log.rows(np.r_[0:4500, elsewhere : len(log)])
+    usable = find_usable_parts(lost.with_channels(time=np.arange(len(lost)) / 500.0))
+    assert [len(part) for part in usable.parts] == [4500, len(log) - elsewhere]
 
 
 @pytest.mark.parametrize("period", [2.0 * np.pi, 25.0, 4.0 * np.pi])
