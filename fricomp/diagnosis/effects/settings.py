@@ -106,6 +106,8 @@ class EffectSettings:
     that are met once have 0.00 to 0.01, and pushes 0.31 and more."""
     twist_window: float = 0.015
     """Window of the local cubic that takes the curvature of the twist [s]; a third of a row."""
+    ringing: float = 4.0
+    """How long a load is followed that swings from its state at the first sample, in decay times; 2 % are left."""
     most_substeps: int = 20
     """Most substeps a sample. A load that swings faster is stiff for the rows, and more of them show nothing new."""
     twist_substep: float = 0.25

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_coeffs
 
+from fricomp.root_mean_square import compute_rms
+
 from ..inputs.track import FloatArray
 from ..joint.kernel import compile_kernel
 from .context import Context
@@ -169,8 +171,28 @@ def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
     window = max(5, 2 * round(EFFECT.twist_window / context.dt / 2) + 1)
     curvature = np.convolve(s, _compute_curvature_weights(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
-    result: FloatArray = -gradient * s - t.inertia * curvature
-    return result
+    return _add_ringing(context, t, np.asarray(-gradient * s - t.inertia * curvature))
+
+
+def _add_ringing(context: Context, t: Transmission, carried: FloatArray) -> FloatArray:
+    """The same with the load's own swing from its state at the first sample, which no encoder says. Shape (n,).
+
+    The recorded torque tells it, where the joint slides. The load may be off its rest by what the recording's usual
+    acceleration would twist its spring.
+    """
+    rate = float(np.sqrt(t.stiffness / t.inertia))
+    ratio = min(t.damping_ratio, 1.0)
+    n = min(carried.size, round(EFFECT.ringing / (ratio * rate * context.dt)))
+    usual = t.inertia * compute_rms(context.acceleration)
+    swing = usual * np.exp(rate * (-ratio + 1j * np.sqrt(1.0 - ratio**2)) * context.time[:n])
+    slides = np.abs(context.velocity[:n]) > context.stribeck_velocity[:n]
+    columns = np.stack([swing.real, swing.imag], axis=1)[slides]
+    left = (context.recorded - context.torque - carried)[:n][slides]
+    # Ridge regression: each coefficient is a standard normal number beforehand.
+    noise = max(float(np.mean(left**2)), np.finfo(np.float64).tiny) if left.size else 1.0
+    along = np.linalg.solve(columns.T @ columns + noise * np.eye(2), columns.T @ left)
+    carried[:n] += along[0] * swing.real + along[1] * swing.imag
+    return carried
 
 
 def compute_twist(position: FloatArray, dt: float, load: CarriedLoad, coupling: Coupling) -> FloatArray:

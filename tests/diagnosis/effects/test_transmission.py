@@ -41,7 +41,9 @@ def test_a_spring_amplifies_the_load_as_below_its_resonance(context: Context) ->
 
 
 def test_gravity_turns_with_the_load_and_not_with_the_motor(context: Context) -> None:
-    still = replace(context, position=np.full(3000, 0.3), plant=replace(context.plant, gravity=(0.0, 5.0)))
+    still = replace(
+        context, position=np.full_like(context.position, 0.3), plant=replace(context.plant, gravity=(0.0, 5.0))
+    )
     stiffness = 400.0
     torque = compute_carried(still, Transmission(0.3, stiffness, 0.7))
     load = 5.0 * np.sin(0.3)
@@ -154,3 +156,38 @@ def test_a_twist_is_that_of_its_equation_though_samples_are_far_apart() -> None:
     settled = time > 1.0
     off = (twist - (move(time) - exact.y[0]))[settled]
     assert np.sqrt(np.mean(off**2)) < 0.05 * half
+
+
+def _record_swing(context: Context, load: Transmission, twist: float, rate: float) -> tuple[Context, np.ndarray]:
+    """A recording whose load starts off its rest by `twist` [rad] and `rate` [rad/s], and the torque that it draws."""
+    time, own = context.time, np.sqrt(load.stiffness / load.inertia)
+
+    def move(t: float, state: np.ndarray) -> tuple[float, float]:
+        lead = 0.4 * np.sin(FREQUENCY * t) - state[0]
+        slip = 0.4 * FREQUENCY * np.cos(FREQUENCY * t) - state[1]
+        return state[1], own**2 * lead + 2.0 * load.damping_ratio * own * slip
+
+    start = [-twist, 0.4 * FREQUENCY - rate]
+    theta, speed = solve_ivp(move, (0.0, time[-1]), start, t_eval=time, rtol=1e-9, atol=1e-11).y
+    pull = load.inertia * (
+        own**2 * (context.position - theta) + 2 * load.damping_ratio * own * (context.velocity - speed)
+    )
+    drawn = pull - load.inertia * context.acceleration
+    return replace(context, recorded=drawn), drawn
+
+
+@pytest.mark.parametrize(("twist", "rate"), [(0.0, 0.0), (0.01, 0.0), (-0.005, 0.5)])
+def test_a_load_may_swing_when_a_recording_begins(twist: float, rate: float, context: Context) -> None:
+    load = Transmission(0.3, 0.3 * 70.0**2, 0.01)
+    recorded, drawn = _record_swing(context, load, twist, rate)
+    found = compute_carried(recorded, load)
+    inner = slice(50, -50)
+    assert np.std((found - drawn)[inner]) < 0.03 * np.std(drawn[inner])
+
+
+def test_no_swing_is_looked_for_where_the_joint_may_stick(context: Context) -> None:
+    load = Transmission(0.3, 0.3 * 70.0**2, 0.01)
+    recorded, _ = _record_swing(context, load, 0.01, 0.0)
+    slow = replace(recorded, plant=replace(context.plant, forward=(2.0, 3.0, 9.0, 1.0), reverse=(2.0, 3.0, 9.0, 1.0)))
+    plain = replace(slow, recorded=np.zeros_like(recorded.recorded))
+    np.testing.assert_array_equal(compute_carried(slow, load), compute_carried(plain, load))
