@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -86,7 +87,8 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
     """Compare two models that were identified from independent data.
 
     Dry friction grows with the normal load, so models that know theirs are brought to one load first: that of the old
-    model, or the new one's where the old one does not know its own.
+    model, or the new one's where the old one does not know its own. Where the zero of the torque was taken off one of
+    them alone, as a sweep can and a log cannot, what an offset may be is no change.
 
     Args:
         old: The model from before.
@@ -167,7 +169,7 @@ class _Difference(NamedTuple):
     def each(self) -> FloatArray:
         """p of each parameter, by Student's t, corrected for their number. Shape (n,)."""
         shares = [np.diag(covariance) / self.deviation**2 for covariance in self.covariances]
-        return _holm(2.0 * stats.t.sf(np.abs(self.value) / self.deviation, self._freedom(*shares)))
+        return correct_for_number(2.0 * stats.t.sf(np.abs(self.value) / self.deviation, self._freedom(*shares)))
 
     def together(self) -> float:
         """p of all parameters, by Fisher's F; 1 where there is none."""
@@ -199,12 +201,32 @@ def _difference(old: FrictionModel, new: FrictionModel) -> _Difference:
     known = np.flatnonzero(np.diag(first + second) > 0.0)
     names, part = [names[i] for i in known], np.ix_(known, known)
     before, after = old.law.parameters(), new.law.parameters()
+    first, second = first[part], second[part]
+    if says_other_zero(old, new):
+        shift = _shift_by_offset(names)
+        largest = np.max(np.abs(shift * [before[name] for name in names]), initial=0.0)
+        second = second + np.outer(shift, shift) * largest**2
     return _Difference(
         names,
         np.array([after[name] - before[name] for name in names]),
-        (first[part], second[part]),
+        (first, second),
         (both[0].degrees_of_freedom or _KNOWN, both[1].degrees_of_freedom or _KNOWN),
     )
+
+
+def says_other_zero(old: FrictionModel, new: FrictionModel) -> bool:
+    """Whether the zero of the torque was taken off one of the models and counts as friction in the other."""
+    return _has_zero(old) != _has_zero(new)
+
+
+def _has_zero(model: FrictionModel) -> bool:
+    return "+-" in model.provenance.notes.get("torque_offset", "")  # a number that was measured has a deviation
+
+
+def _shift_by_offset(names: Sequence[str]) -> FloatArray:
+    """By how much a constant torque of 1 shifts each parameter: the levels of both directions, opposite. Shape (n,)."""
+    side = np.array([1.0 if ".forward." in name else -1.0 if ".reverse." in name else 0.0 for name in names])
+    return side * [name.endswith(("coulomb_torque", "static_torque")) for name in names]
 
 
 def _no_covariance(which: str, model: FrictionModel) -> str:
@@ -217,8 +239,11 @@ def _no_covariance(which: str, model: FrictionModel) -> str:
     return f"the {which} model has no covariance, so no change can be judged: identify it from data"
 
 
-def _holm(p_values: FloatArray) -> FloatArray:
-    """Step-down correction: the smallest times n, the next times n - 1, never falling [holm1979]."""
+def correct_for_number(p_values: FloatArray) -> FloatArray:
+    """p of each of several comparisons, corrected for their number [holm1979]. Shape (n,).
+
+    The smallest times n, the next times n - 1, never falling.
+    """
     order = np.argsort(p_values)
     corrected = np.maximum.accumulate(p_values[order] * np.arange(p_values.size, 0, -1))
     result = np.empty_like(p_values)

@@ -2,40 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
 
-from fricomp.errors import FricompError, ParameterError
+from fricomp.errors import FricompError
 from fricomp.laws import FloatArray
-from fricomp.model import FrictionModel, load_model
 from fricomp.report import Chart, Panel, Points
 
-from .comparison import ModelComparison, compare_models
+from .comparison import compare_models, correct_for_number
+from .kept_model import Estimate, KeptModel, read_kept
 
 _DAY = 86_400.0
 _FEWEST = 3
 """Models from which on a trend has an interval: two points always lie on a line."""
 _REACH = 0.95
-
-
-@dataclass(frozen=True)
-class KeptModel:
-    """A model file.
-
-    Attributes:
-        path: Where it is.
-        model: What it holds.
-        when: When it was identified, UTC.
-    """
-
-    path: Path
-    model: FrictionModel
-    when: datetime
+_SIGNIFICANCE = 0.05
+"""Chance to call a joint changed whose diagnoses differ by chance alone, as that of `compare_models`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,21 +54,44 @@ class Trend:
         return abs(self.slope) > self.reach
 
 
+class Change(NamedTuple):
+    """What differs between a model and the one before.
+
+    Attributes:
+        changed: Whether the joint has changed.
+        names: Parameters that changed.
+        added: Terms that only the later law has, or effects that only the later diagnosis named.
+        removed: Those that only the earlier one has.
+    """
+
+    changed: bool
+    names: tuple[str, ...]
+    added: tuple[str, ...]
+    removed: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class JointHistory:
-    """The models of one joint.
+    """The models of one joint: those that were identified, or those that diagnoses wrote.
 
     Attributes:
         joint: Its name.
+        diagnosed: Whether diagnoses wrote them.
         models: In order of time.
         trends: Of every parameter that all models have, with a deviation.
         comparisons: Of each model but the first with the one before; None where they cannot be compared.
     """
 
     joint: str
+    diagnosed: bool
     models: tuple[KeptModel, ...]
     trends: tuple[Trend, ...]
-    comparisons: tuple[ModelComparison | None, ...]
+    comparisons: tuple[Change | None, ...]
+
+    @property
+    def title(self) -> str:
+        """The joint, and that its diagnoses are followed where it has any."""
+        return f"{self.joint}, diagnoses" if self.diagnosed else self.joint
 
     @property
     def temperatures(self) -> FloatArray:
@@ -95,22 +106,21 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
     Args:
         folder: Of calibrations, identifications and diagnoses; every `friction.json` counts.
     """
-    kept: dict[str, list[KeptModel]] = {}
+    kept: dict[tuple[str, bool], list[KeptModel]] = {}
     left_out = []
     for path in sorted(folder.rglob("friction.json")):
         try:
-            model = load_model(path)
-            found = KeptModel(path, model, _read_date(model))
+            found = read_kept(path)
         except FricompError as error:
             left_out.append(f"{path}: {error}")
             continue
-        others = kept.setdefault(model.joint, [])
+        others = kept.setdefault((found.model.joint, found.effects is not None), [])
         same = next((one for one in others if _is_copy(found, one)), None)
         if same is None:
             others.append(found)
         else:
             left_out.append(f"{path}: a copy of {same.path}")
-    return tuple(_follow(joint, models) for joint, models in sorted(kept.items())), tuple(left_out)
+    return tuple(_follow(*of, models) for of, models in sorted(kept.items())), tuple(left_out)
 
 
 def _is_copy(one: KeptModel, other: KeptModel) -> bool:
@@ -118,44 +128,18 @@ def _is_copy(one: KeptModel, other: KeptModel) -> bool:
     return one.when == other.when and one.model.law.parameters() == other.model.law.parameters()
 
 
-def _read_date(model: FrictionModel) -> datetime:
-    """When a model was made, UTC.
-
-    Raises:
-        ParameterError: It does not say, or not as a date.
-    """
-    said = model.provenance.created
-    try:
-        when = datetime.fromisoformat(said)
-        return (when if when.tzinfo is not None else when.replace(tzinfo=UTC)).astimezone(UTC)
-    except (ValueError, OverflowError) as error:
-        told = f"{said!r}, which is not a date" if said else "nothing"
-        raise ParameterError(
-            f"when it was made is not known: its provenance.created says {told}; write one such as 2026-03-01T12:00"
-        ) from error
-
-
-def _follow(joint: str, models: list[KeptModel]) -> JointHistory:
+def _follow(joint: str, diagnosed: bool, models: list[KeptModel]) -> JointHistory:
     ordered = tuple(sorted(models, key=lambda one: one.when))
     days = np.array([(one.when - ordered[0].when).total_seconds() / _DAY for one in ordered])
-    known = [_read_parameters(one.model) for one in ordered]
-    shared = [name for name in known[0] if all(name in one for one in known)]
-    trends = [_fit_trend(name, ordered[0].model.units()[name], days, known) for name in shared]
-    comparisons = tuple(_compare(old.model, new.model) for old, new in pairwise(ordered))
-    return JointHistory(joint, ordered, tuple(trends), comparisons)
+    shared = [name for name in ordered[0].estimates if all(name in one.estimates for one in ordered)]
+    trends = [_fit_trend(name, days, [one.estimates[name] for one in ordered]) for name in shared]
+    comparisons = tuple(_compare(old, new) for old, new in pairwise(ordered))
+    return JointHistory(joint, diagnosed, ordered, tuple(trends), comparisons)
 
 
-def _read_parameters(model: FrictionModel) -> dict[str, tuple[float, float]]:
-    """Value and standard deviation of the parameters that have one."""
-    if model.covariance is None:
-        return {}
-    values, deviations = model.law.parameters(), np.sqrt(np.diag(model.covariance.matrix))
-    pairs = zip(model.covariance.names, deviations.tolist(), strict=True)
-    return {name: (values[name], sd) for name, sd in pairs if name in values and 0.0 < sd < np.inf}
-
-
-def _fit_trend(name: str, unit: str, days: FloatArray, known: list[dict[str, tuple[float, float]]]) -> Trend:
-    values, deviations = np.array([one[name] for one in known]).T
+def _fit_trend(name: str, days: FloatArray, known: Sequence[Estimate]) -> Trend:
+    values, deviations = np.array([(one.value, one.deviation) for one in known]).T
+    unit = known[0].unit
     weights = deviations**-2
     centred = days - np.average(days, weights=weights)
     spread = float(weights @ centred**2)
@@ -169,11 +153,34 @@ def _fit_trend(name: str, unit: str, days: FloatArray, known: list[dict[str, tup
     return Trend(name, unit, days, values, deviations, slope, float(quantile * np.sqrt(excess / spread)))
 
 
-def _compare(old: FrictionModel, new: FrictionModel) -> ModelComparison | None:
+def _compare(old: KeptModel, new: KeptModel) -> Change | None:
+    if old.effects is not None and new.effects is not None:
+        return _compare_diagnoses(old, new)
     try:
-        return compare_models(old, new)
+        found = compare_models(old.model, new.model, _SIGNIFICANCE)
     except FricompError:
         return None
+    return Change(found.changed, tuple(one.name for one in found.significant), found.added, found.removed)
+
+
+def _compare_diagnoses(old: KeptModel, new: KeptModel) -> Change:
+    """What two diagnoses of a joint say otherwise: effects, and numbers by their intervals, one by one.
+
+    A record has no correlations, so each number stands for itself, corrected for how many they are.
+    """
+    names = [name for name in old.estimates if name in new.estimates]
+    pairs = [(old.estimates[name], new.estimates[name]) for name in names]
+    z = [(after.value - before.value) / np.hypot(before.deviation, after.deviation) for before, after in pairs]
+    chances = correct_for_number(2.0 * stats.norm.sf(np.abs(np.asarray(z, dtype=np.float64))))
+    moved = tuple(name for name, p in zip(names, chances, strict=True) if p < _SIGNIFICANCE)
+    before, after = set(old.effects or ()), set(new.effects or ())
+    added, removed = tuple(sorted(after - before)), tuple(sorted(before - after))
+    return Change(bool(moved or added or removed), moved, added, removed)
+
+
+def shorten(name: str) -> str:
+    """A dotted name without what all of its kind begin with."""
+    return name.removeprefix("stribeck.").removeprefix("base.")
 
 
 def draw_history(history: JointHistory, *, over_temperature: bool = False) -> Chart:
@@ -188,10 +195,10 @@ def draw_history(history: JointHistory, *, over_temperature: bool = False) -> Ch
         x = history.temperatures if over_temperature else trend.days
         there = np.isfinite(x)
         mark = Points(x[there], trend.values[there], error=1.96 * trend.deviations[there])
-        label = f"{trend.name.partition('.')[2].replace('_', ' ')} [{trend.unit}]"
+        label = f"{shorten(trend.name).replace('_', ' ')} [{trend.unit}]"
         panels.append(Panel((mark,), "temperature [°C]" if over_temperature else "time since the first [d]", label))
     kind = "temperature" if over_temperature else "time"
     return Chart(
-        f"{kind}-{history.joint}", f"Joint {history.joint} over {kind}", tuple(panels), columns=2,
+        f"{kind}-{history.title}", f"Joint {history.title} over {kind}", tuple(panels), columns=2,
         caption="Bars are 95 % intervals.",
     )  # fmt: skip

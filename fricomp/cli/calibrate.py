@@ -203,7 +203,7 @@ def calibrate(
     shown = Shown(live, open_report, log)
     with claim_log(log, overwrite=overwrite):
         if resume:
-            resume_run(out, request, set(given) - {"resume", "out", "live", "open_report", "log"}, shown)
+            resume_run(out, request, set(given) - {"resume", "out"} - _list_output(context), shown)
         elif dry_run:
             _print_plan(request, hung)
         else:
@@ -242,6 +242,11 @@ def _given(context: typer.Context) -> dict[str, Any]:
     """The options that stand on the command line, or in the file of --settings."""
     sources = {name: context.get_parameter_source(name) for name in context.params}
     return {name: context.params[name] for name, source in sources.items() if source and source.name in _GIVEN}
+
+
+def _list_output(context: typer.Context) -> set[str]:
+    """Names of the options that say how to answer, which change nothing of a run."""
+    return {str(one.name) for one in context.command.params if getattr(one, "rich_help_panel", None) == "Output"}
 
 
 def _refuse_contradictions(given: dict[str, Any]) -> None:

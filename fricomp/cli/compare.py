@@ -81,10 +81,16 @@ def _print_comparison(result: ModelComparison, after: FrictionModel, significanc
 
 def _find_doubts(before: FrictionModel, after: FrictionModel) -> list[str]:
     """Why the answer may mislead: a model that is not usable, or two joints."""
+    from fricomp.calibration.comparison import says_other_zero
     from fricomp.control.compensation.trust import find_doubt
 
     found = [(name, find_doubt(model)) for name, model in (("old", before), ("new", after))]
     doubts = [f"the {name} model is not usable ({doubt.rstrip('.')})" for name, doubt in found if doubt is not None]
     if before.joint != after.joint:
         doubts.append(f"the old model is of joint {before.joint!r}, the new one of {after.joint!r}")
+    if says_other_zero(before, after):
+        doubts.append(
+            "the zero of the torque was taken off one of the models alone, so that a difference between the directions "
+            "is none that can be told"
+        )
     return doubts

@@ -37,7 +37,7 @@ def watch(
     """Follow joints over many calibrations, identifications or diagnoses: trends with intervals, changes with dates.
 
     A trend is the change of a parameter a day, with its 95 % interval, from three models on. A change is one between a
-    model and the one before, as fricomp compare tells it.
+    model and the one before, as fricomp compare tells it; of diagnoses, one of what they named and of their numbers.
     """
     from fricomp.calibration.history import read_histories
     from fricomp.cli.output import answer
@@ -74,10 +74,12 @@ def _has_changed(history: JointHistory, number: int) -> bool:
 
 def _tell_changes(history: JointHistory) -> list[tuple[str, str]]:
     """Date of each model that differs from the one before, and in what."""
+    from fricomp.calibration.history import shorten
+
     told = []
     for kept, found in zip(history.models[1:], history.comparisons, strict=True):
         if found is not None and found.changed:
-            names = [change.name.removeprefix("stribeck.") for change in found.significant]
+            names = [shorten(name) for name in found.names]
             terms = [*(f"new {name}" for name in found.added), *(f"without {name}" for name in found.removed)]
             told.append(
                 (f"{kept.when:%Y-%m-%d %H:%M}", ", ".join([*names, *terms]) or "no single parameter stands out")
@@ -86,13 +88,14 @@ def _tell_changes(history: JointHistory) -> list[tuple[str, str]]:
 
 
 def _list_rows(history: JointHistory) -> list[tuple[str, ...]]:
+    from fricomp.calibration.history import shorten
+
     rows: list[tuple[str, ...]] = []
     for trend in history.trends:
         reach = f" ± {trend.reach:.2g}" if trend.reach < float("inf") else ""
         slope = f"{trend.slope:+.3g}{reach}" if reach else "–"
         mark = "yes" if trend.is_significant else "no"
-        name = trend.name.removeprefix("stribeck.")
-        rows.append((name, f"{trend.values[0]:.4g}", f"{trend.values[-1]:.4g}", trend.unit, slope, mark))
+        rows.append((shorten(trend.name), f"{trend.values[0]:.4g}", f"{trend.values[-1]:.4g}", trend.unit, slope, mark))
     return rows
 
 
@@ -102,7 +105,7 @@ _HEADS = ("parameter", "first", "last", "unit", "change a day, 95 %", "beyond ch
 def _make_title(history: JointHistory) -> str:
     days = history.trends[0].days[-1] if history.trends else 0.0
     n = len(history.models)
-    return f"Joint {history.joint}: {n} models over {days:.3g} days" if n > 1 else f"Joint {history.joint}: one model"
+    return f"Joint {history.title}: {n} models over {days:.3g} days" if n > 1 else f"Joint {history.title}: one model"
 
 
 def _print(history: JointHistory) -> None:
@@ -123,6 +126,7 @@ def _as_answer(history: JointHistory) -> dict[str, Any]:
     temperatures = history.temperatures.tolist()
     return {
         "joint": history.joint,
+        "diagnosed": history.diagnosed,
         "models": [
             {"file": kept.path, "when": kept.when.isoformat(), "temperature": at}
             for kept, at in zip(history.models, temperatures, strict=True)
@@ -155,9 +159,10 @@ def _build_page(histories: tuple[JointHistory, ...]) -> ReportPage:
                 blocks.append(draw_history(history, over_temperature=True))
         sections.append(Section(_make_title(history), tuple(blocks)))
         if changes or any(trend.is_significant for trend in history.trends):
-            moved.append(history.joint)
+            moved.append(history.title)
     said = f"Changed or drifting: {', '.join(moved)}." if moved else "No joint has changed or drifts beyond chance."
+    count = len({history.joint for history in histories})
     return ReportPage(
-        f"{len(histories)} joint{'s' if len(histories) > 1 else ''} over time", (said,), tuple(sections),
+        f"{count} joint{'s' if count > 1 else ''} over time", (said,), tuple(sections),
         outcome="warning" if moved else "passed", verdict="Changes" if moved else "No change",
     )  # fmt: skip

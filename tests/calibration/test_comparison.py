@@ -57,6 +57,16 @@ def test_short_sweeps_of_an_unchanged_joint_are_called_changed_at_the_stated_rat
     assert np.mean([bool(c.significant) for c in called]) < 0.12
 
 
+@pytest.mark.parametrize("level", [0.0, 0.02])
+def test_an_offset_that_was_taken_off_one_model_alone_is_no_change(level: float) -> None:
+    notes = ("0.01 +- 2e-05", "0 assumed: it cannot be told")
+    swept, logged = (Provenance(method="pinn", notes={"torque_offset": note}) for note in notes)
+    shift = 0.1 * np.array([1, 1, 0, 0, -1, -1, 0, 0]) + level * np.array([1, 0, 0, 0, 1, 0, 0, 0])
+    old, new = replace(model(TRUTH), provenance=swept), replace(model(TRUTH + shift), provenance=logged)
+    assert compare_models(old, new).changed is (level > 0.0)
+    assert compare_models(old, replace(new, provenance=swept)).changed
+
+
 def test_the_parameter_that_changed_is_named() -> None:
     rng = np.random.default_rng(2)
     worn = TRUTH.copy()

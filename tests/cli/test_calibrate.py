@@ -206,7 +206,9 @@ def test_a_motion_is_not_resumed_as_a_sweep_and_is_replaced_only_when_told(
 def test_options_that_a_resumed_run_would_ignore_are_refused_by_name(tmp_path: Path) -> None:
     request = CalibrationRequest("sim", {"seed": 0, "model": "default_joint"})
     out = str(RunFolder.create(tmp_path / "run", request).path)
-    said = _refused("--resume", "--out", out, "--backend", "sim", "--repeats", "3", "--seed", "2", "--dry-run")
+    said = _refused(
+        "--resume", "--out", out, "--backend", "sim", "--repeats", "3", "--seed", "2", "--dry-run", "--quiet"
+    )
     assert "--dry-run, --repeats, --seed cannot be changed" in said
 
 
@@ -319,9 +321,14 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, number: int,
     kept = len(load_sweep(recording).of_kind("plateau"))
     assert kept >= 1  # a stop in the middle of a write takes that one back
     again = subprocess.run(
-        [*COMMAND[:-2], "--resume", "--out", str(out)], check=False, capture_output=True, text=True, timeout=300
+        [*COMMAND[:-2], "--resume", "--quiet", "--out", str(out)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert again.returncode == 0, again.stderr
+    assert again.stdout == ""
     numbers = [label.number for label, _ in load_sweep(recording).of_kind("plateau")]
     assert numbers == list(range(14))
 

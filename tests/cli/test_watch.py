@@ -66,6 +66,52 @@ def test_a_drift_a_jump_and_a_joint_that_stays_are_told_apart(tmp_path: Path) ->
     assert page.index("Changed or drifting: drifts, jumps.") < page.index("Joint drifts: 8 models")
 
 
+def write_diagnoses(folder: Path, joint: str, coulomb: list[float], effects: list[list[str]]) -> None:
+    """A diagnosis a day, of these Coulomb torques [N·m] and these effects, each with an amplitude of 0.1 N·m."""
+    for day, (torque, named) in enumerate(zip(coulomb, effects, strict=True)):
+        own = folder / f"{joint}-diagnosis-{day}"
+        own.mkdir(parents=True)
+        created = f"2026-03-{day + 1:02d}T12:00:00+00:00"
+        made = Provenance(method="diagnosis", created=created)
+        save_model(FrictionModel(FrictionLaw((Coulomb(torque),)), joint=joint, provenance=made), own / "friction.json")
+
+        def told(value: float) -> dict[str, Any]:
+            return {"value": value, "unit": "N·m", "ci95": [value - 0.002, value + 0.002], "at_bound": False}
+
+        record = {
+            "base": {"forward.coulomb_torque": told(torque)},
+            "effects": [{"name": name, "parameters": {"amplitude": told(0.1)}} for name in named],
+        }
+        (own / "diagnosis.json").write_text(json.dumps(record))
+
+
+def test_diagnoses_are_followed_by_what_they_name_and_by_their_intervals(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3, 0.3])
+    write_diagnoses(tmp_path, "elbow", [0.3, 0.3005, 0.31, 0.31], [[], [], [], ["cogging"]])
+    write_diagnoses(tmp_path, "wrist", [0.3, 0.32, 0.34, 0.36], [["cogging"]] * 4)
+    answer = json.loads(call(tmp_path, "--json", "--out", tmp_path / "watch.html").stdout)
+    found = {(one["joint"], one["diagnosed"]): one for one in answer["joints"]}
+    assert found["elbow", False]["changes"] == []
+    assert found["elbow", True]["changes"] == [
+        {"when": "2026-03-03 12:00", "what": "forward.coulomb_torque"},
+        {"when": "2026-03-04 12:00", "what": "new cogging"},
+    ]
+    trends = {one["name"]: one for one in found["wrist", True]["trends"]}
+    assert trends["base.forward.coulomb_torque"]["slope"] == pytest.approx(0.02)
+    assert trends["base.forward.coulomb_torque"]["significant"]
+    assert not trends["cogging.amplitude"]["significant"]
+    page = (tmp_path / "watch.html").read_text()
+    assert "2 joints over time" in page
+    assert "Joint elbow, diagnoses: 4 models" in page
+
+
+def test_a_record_that_is_damaged_is_left_out(tmp_path: Path) -> None:
+    write_diagnoses(tmp_path, "elbow", [0.3, 0.3], [[], []])
+    (tmp_path / "elbow-diagnosis-1" / "diagnosis.json").write_text("{}")
+    answer = json.loads(call(tmp_path, "--json").stdout)
+    assert "no record of a diagnosis" in answer["left_out"][0]
+
+
 def test_the_last_change_can_be_failed_on(tmp_path: Path) -> None:
     write_models(tmp_path, "elbow", [0.3, 0.3, 0.4])
     done = call(tmp_path, "--fail-if-changed")

@@ -6,7 +6,8 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import msgspec
@@ -92,7 +93,8 @@ def _write_models(
         notes.append("No friction model is written: the data allow none.")
     else:
         kind = "extended" if diagnosis.extended_model is not None else "refitted"
-        save_model(model, folder / "friction.json")
+        made = replace(model.provenance, created=datetime.now(UTC).isoformat(timespec="seconds"))
+        save_model(replace(model, provenance=made), folder / "friction.json")
         files.append(folder / "friction.json")
         law = " + ".join(term.name for term in model.law.terms)
         spring = _describe_spring(diagnosis)
