@@ -51,7 +51,8 @@ def identify_with_law(
     if one_way and not law:
         return _identify_one_way(samples, settings, options)
     found = identify_motion(samples, settings, law=law or USUAL_LAW, options=options)
-    if law or found.friction.status in _DETERMINED:
+    unseen = _describe_unseen_bend(found)
+    if law or (found.friction.status in _DETERMINED and not unseen):
         return found, []
     laws = (_PLAIN_LAW, _SYMMETRIC_LAW, _FLAT_LAW)
     fits = {law: _fit_usable(samples, settings, law, options) for law in laws}
@@ -59,13 +60,31 @@ def identify_with_law(
     for plainer, gain_counts in ((plain, False), (symmetric, True), (flat, True), (plain, True)):
         if plainer is not None and _is_as_good(plainer, found, gain_counts=gain_counts):
             name = next(law for law, fit in fits.items() if fit is plainer)
-            why = found.friction.message.split(";", 1)[0].split(":", 1)[0]
+            why = unseen or found.friction.message.split(";", 1)[0].split(":", 1)[0]
             return plainer, [f"Law: {name}, which leaves no more of the torque than {USUAL_LAW}, of which {why}."]
     if plain is not None and find_doubt_in_status(found.friction.status, "") is not None and _is_close(plain):
         slowest = float(np.min(np.abs(plain.points[:, 0])))
         note = f"Law: {_PLAIN_LAW}, which is close above a speed of {slowest:.3g}; friction bends below, by how much "
         return plain, [f"{note}is not seen: record more time at low speed where it matters there."]
     return found, []
+
+
+def _describe_unseen_bend(found: MotionIdentification) -> str:
+    """Why the falling part of a curve is no Stribeck effect that the motion shows; empty where it is, or has none.
+
+    A static torque below the Coulomb torque does not fall, and of a curve that falls below the slowest speed nothing is
+    seen but its end: both are what reversals leave at the slowest speeds.
+    """
+    known, speeds = found.friction.parameters, found.points[:, 0]
+    for name in (one for one in known if one.endswith("static_torque")):
+        curve = name.rpartition(".")[0]
+        direction = {"forward": 1.0, "reverse": -1.0}.get(curve.rpartition(".")[2], 0.0)
+        slowest = float(np.min(np.abs(speeds[speeds * direction >= 0.0]), initial=np.inf))
+        if known[name] < known[f"{curve}.coulomb_torque"]:
+            return f"the static torque is below the Coulomb torque ({name})"
+        if known[f"{curve}.stribeck_velocity"] < slowest < np.inf:
+            return f"the bend lies below the slowest speed of {slowest:.3g} ({name})"
+    return ""
 
 
 def _is_close(plain: MotionIdentification) -> bool:

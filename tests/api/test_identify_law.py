@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -131,3 +132,22 @@ def test_a_plainer_law_is_tried_where_a_second_basin_is_nearly_as_likely(monkeyp
     monkeypatch.setattr(motion_law, "identify_motion", suspect)
     found = fricomp.identify(joint_log(14.0, 160.0, 5))
     assert set(found.parameters) == {"coulomb.coulomb_torque", "viscous.viscous_coefficient"}
+
+
+@pytest.mark.parametrize(
+    ("static", "velocity", "why"),
+    [
+        (0.39, 0.3, "the static torque is below the Coulomb torque"),
+        (0.65, 0.08, "the bend lies below the slowest speed of 0.2"),
+        (0.65, 0.3, ""),
+    ],
+)
+def test_a_bend_that_no_speed_shows_is_told(static: float, velocity: float, why: str) -> None:
+    """Trapezoids pass the slow speeds in a few samples, which the low-pass mixes with the rest before them."""
+    curve = {"static_torque": static, "coulomb_torque": 0.5, "stribeck_velocity": velocity, "viscous_coefficient": 0.1}
+    parameters = {f"stribeck.{way}.{name}": value for way in ("forward", "reverse") for name, value in curve.items()}
+    points = np.array([[0.2, 0.5], [1.0, 0.6], [-0.2, -0.5], [-1.0, -0.6]])
+    found = SimpleNamespace(friction=SimpleNamespace(parameters=parameters), points=points)
+    said = motion_law._describe_unseen_bend(cast(MotionIdentification, found))
+    assert said.startswith(why)
+    assert bool(said) is bool(why)
