@@ -7,8 +7,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from fricomp.blas import one_blas_thread
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording
@@ -26,10 +24,7 @@ from .rigid.simulated_arm import SimulatedArm, read_arm
 from .search.degrees import are_degrees, take_radians
 from .search.frames import find_turned_torques, turn_torque
 from .search.mounting import find_mounting
-
-_LEAST_TRAVEL, _LEAST_SHARE = 5e-3, 0.02
-"""[rad] or [m], and part of the longest travel of any joint, below which a joint stands still: it sways in its gear or
-against its controller, and its torque may be that of a brake."""
+from .still import find_still
 
 
 @dataclass(frozen=True)
@@ -119,7 +114,7 @@ def match_recordings(
     if apart:
         kept = [one for one in recordings if one.metadata.joint not in apart]
         arm, joined = match_recordings(kept, simulation, names, gains)
-        still = _find_still(torques)
+        still = find_still(torques)
         return arm, replace(
             joined,
             still=(*joined.still, *(name for name in apart if name in still)),
@@ -131,7 +126,7 @@ def match_recordings(
     matched = [_name_as_simulated(*one) for one in zip(torques, arm.joints, arm.rotary, strict=True)]
     degrees = are_degrees(arm, matched)
     matched = take_radians(arm, matched) if degrees else matched
-    still = _find_still(matched)
+    still = find_still(matched)
     if not still:
         arm, joined = _join_rightly(arm, matched)
         return arm, replace(joined, degrees=degrees)
@@ -175,7 +170,7 @@ def _read_recorded(
         strangers = find_strangers(recorded, list_joints(simulation), names or {})
         if strangers:
             return read(strangers), strangers
-        still = set(_find_still(recordings))
+        still = set(find_still(recordings))
         if not still or len(still) > len(recorded) - 2:
             raise
         with suppress(SimulationFileError):
@@ -190,24 +185,6 @@ def _is_readable(read: Callable[[Collection[str]], SimulatedArm], left_out: Coll
         read(left_out)
         return True
     return False
-
-
-def _find_still(recordings: Sequence[Recording]) -> dict[str, float]:
-    """Joints that stood still, with their positions [rad] or [m]: they only sway, and may hold by a brake."""
-    still: dict[str, float] = {}
-    for motion in ("rotary", "linear"):
-        travel = {
-            one.metadata.joint: float(np.ptp(np.quantile(one.position, (0.005, 0.995))))
-            for one in recordings
-            if one.metadata.motion == motion
-        }
-        least = max(_LEAST_TRAVEL, _LEAST_SHARE * max(travel.values(), default=0.0))
-        still |= {
-            one.metadata.joint: float(np.median(one.position))
-            for one in recordings
-            if travel.get(one.metadata.joint, np.inf) < least
-        }
-    return still
 
 
 def _name_as_simulated(recording: Recording, name: str, rotary: bool) -> Recording:

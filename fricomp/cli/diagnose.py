@@ -340,7 +340,9 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     if table is not None:
         show.print(rich_table(replace(table, caption="")))
     files = ", ".join(sorted(path.name for path in run.files if path.suffix != ".png"))
-    where = f"Verdict: {record.verdict}. All figures, pictures and remarks: report.html. In {out}: {files}"
+    where = (
+        f"Verdict: {record.verdict}. All figures, pictures and remarks: report.html. In {out}{files and f': {files}'}"
+    )
     show.print(where, soft_wrap=True, markup=False)
 
 

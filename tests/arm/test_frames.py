@@ -11,6 +11,7 @@ import pytest
 from fricomp.arm.brief import say_turned
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.search.frames import find_better_frames, find_torque_scales
+from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
 from .moving_arm import JOINTS, record_arm, write_arm
@@ -70,6 +71,18 @@ def test_a_torque_in_another_unit_is_told(factor: float, tmp_path: Path) -> None
 def test_links_that_are_guessed_are_no_other_unit(tmp_path: Path) -> None:
     recordings = record_arm(write_arm(tmp_path), duration=10.0, rate=100.0)
     assert find_torque_scales(*match_recordings(recordings, write_arm(tmp_path, (1.5, 1.5, 1.5)))) == {}
+
+
+@pytest.mark.parametrize("seed", [2, 4])
+def test_links_that_ask_for_little_tell_no_unit(seed: int, tmp_path: Path) -> None:
+    """Beside the friction of a wrist and what bends it, any factor on a light hand is as good as none."""
+
+    def bend(joint: int, q: FloatArray, v: FloatArray, _: FloatArray) -> FloatArray:
+        return np.sign(v) - 0.25 * np.sin(q) + 0.3 * np.sin(5.0 * q) if joint == 2 else np.zeros_like(q)
+
+    light = write_arm(tmp_path, (4.0, 2.5, 0.02))
+    recordings = record_arm(light, bend, seed=seed, duration=60.0, rate=100.0)
+    assert find_torque_scales(*match_recordings(recordings, light)) == {}
 
 
 @pytest.mark.parametrize("velocity", [None, 1.0, np.pi / 180.0])

@@ -74,6 +74,20 @@ def test_a_payload_is_found_with_its_mass(arm: Path) -> None:
     assert ", elbow (" in diagnosis.sentences[1]
 
 
+@pytest.mark.parametrize("name", ["gripper", "wrist"])
+def test_a_joint_that_stands_still_in_both_sessions_is_left_out(name: str, arm: Path) -> None:
+    """Whether the simulation has it or not."""
+    hand = '<body pos="0.3 0 0"><joint name="wrist"/><geom size="0.02" mass="0.1"/></body>'
+    arm.write_text(_ARM.replace("</body></body>", f"{hand}</body></body>"))
+    sessions = [_session(0.0, 1), _session(0.8, 2)]
+    still = Recording(
+        sessions[0][0].time, np.full(5000, 0.02), np.full(5000, 1.1), metadata=RecordingMetadata(joint=name)
+    )
+    diagnosis = diagnose([one for session in sessions for one in (*session, still)], arm)
+    assert diagnosis.verdict == "parameters"
+    assert diagnosis.effects[0].parameters["mass"].value == pytest.approx(0.8, rel=0.05)
+
+
 def test_a_payload_is_found_in_one_session_where_the_simulation_is_right(arm: Path) -> None:
     diagnosis = diagnose(_session(0.8, 2), arm, payload=True)
     mass = diagnosis.effects[0].parameters["mass"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +15,12 @@ from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, Diagnosis, Diagnos
 from fricomp.diagnosis.record.sentence import Notes, write_record
 from fricomp.diagnosis.samples.sample_finding import compute_held_out
 from fricomp.diagnosis.verdict.writing import write_refusal
-from fricomp.errors import DiagnosisError
+from fricomp.errors import DiagnosisError, SimulationFileError
 from fricomp.recording import Recording
 
 from ..fit import Z95
 from ..rigid.simulated_arm import read_arm
+from ..still import find_still
 from .estimate import Payload, find_payload
 from .rows import Session
 from .settings import SETTINGS
@@ -56,6 +58,7 @@ def diagnose_payload(
         DiagnosisError: The recordings are not one or two sessions of the same joints, or no joint's torque is in N·m.
         SimulationFileError: The simulation cannot be read, or lacks a joint.
     """
+    recordings, apart = _leave_still(recordings)
     reasons = [f"{one.metadata.joint}: {reason}" for one in recordings for reason in reasons_against([one], None)]
     if reasons:
         called = tuple(names or (f"recording {i + 1}" for i in range(len(recordings))))
@@ -65,10 +68,31 @@ def diagnose_payload(
     if len(sessions) > 2 or any(set(one) != set(joints) for one in sessions):
         told = "; ".join(", ".join(one) for one in sessions)
         raise DiagnosisError(f"a payload is found from one or two sessions with the same joints; got {told}")
-    arm = read_arm(simulation, joints, match)
+    given = {name: there for name, there in (match or {}).items() if name in joints}
+    arm = read_arm(simulation, joints, given, _place_apart(simulation, joints, apart, match))
     renamed = [dict(zip(arm.joints, (one[name] for name in joints), strict=True)) for one in sessions]
     counted = tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session)
     return _write_answer(find_payload(arm, renamed), tuple(names or counted), single=len(sessions) == 1)
+
+
+def _leave_still(recordings: Sequence[Recording]) -> tuple[Sequence[Recording], dict[str, float]]:
+    """The recordings of joints that move in a session, and where the others stood [rad] or [m], such as a gripper."""
+    stood = [find_still(list(session.values())) for session in group_sessions(recordings)]
+    apart = {name: place for name, place in stood[0].items() if all(name in one for one in stood)} if stood else {}
+    moving = [one for one in recordings if one.metadata.joint not in apart]
+    return (moving, apart) if moving else (recordings, {})
+
+
+def _place_apart(
+    simulation: str | Path, joints: Sequence[str], apart: Mapping[str, float], match: Mapping[str, str] | None
+) -> dict[str, float]:
+    """Positions of joints that stood still by their names in the simulation, of those that it has."""
+    placed = {}
+    for name, place in apart.items():
+        given = {one: there for one, there in (match or {}).items() if one in (*joints, name)}
+        with suppress(SimulationFileError):
+            placed[read_arm(simulation, [*joints, name], given).joints[-1]] = place
+    return placed
 
 
 def _write_answer(found: Payload, names: tuple[str, ...], *, single: bool) -> Diagnosis:

@@ -70,17 +70,28 @@ def find_turned_torques(arm: SimulatedArm, recording: ArmRecording) -> tuple[str
 
 
 def find_torque_scales(arm: SimulatedArm, recording: ArmRecording) -> dict[str, float]:
-    """Factor on what the links of a joint ask for, by its name, where it is one of another unit."""
+    """Factor on what the links of a joint ask for, by its name, where it is one of another unit.
+
+    Where links ask for little beside friction and the rotor, any factor is as good as none: it has to explain what the
+    links as they are simulated leave.
+    """
     scales = {}
     for name, (columns, torque) in zip(recording.joints, _build_plain(arm, recording), strict=False):
-        kept = columns[:, :-1]  # what is constant comes once
-        factors, _, _, _ = np.linalg.lstsq(kept, torque, rcond=None)
-        left = float(np.std(torque - kept @ factors))
+        links, others = columns[:, :1], columns[:, 1:-1]  # what is constant comes once
+        kept = np.hstack([links, others])
+        factors, left = _fit_freely(kept, torque)
+        _, as_simulated = _fit_freely(others, torque - links[:, 0])
         deviation = left * float(np.sqrt(np.linalg.pinv(kept.T @ kept)[0, 0]))
-        clear = left < _EXPLAINED * float(np.std(torque)) and deviation < _KNOWN * factors[0]
-        if clear and not 1.0 / _UNIT < factors[0] < _UNIT:
+        clear = left < min(_EXPLAINED * float(np.std(torque)), _FRAME_FALL * as_simulated)
+        if clear and deviation < _KNOWN * factors[0] and not 1.0 / _UNIT < factors[0] < _UNIT:
             scales[name] = float(factors[0])
     return scales
+
+
+def _fit_freely(columns: FloatArray, torque: FloatArray) -> tuple[FloatArray, float]:
+    """Factors of columns by least squares, and the standard deviation of what they leave [N·m] or [N]."""
+    factors, _, _, _ = np.linalg.lstsq(columns, torque, rcond=None)
+    return np.asarray(factors, dtype=np.float64), float(np.std(torque - columns @ factors))
 
 
 def turn_torque(recording: Recording) -> Recording:
