@@ -25,6 +25,7 @@ _GAP = 116.0  # between two rows, for the axis label of one, the title and the l
 _GAP_SHARED = 66.0  # the same where only the lowest row has an axis label [px]
 _LEGEND_LINE = 20.0  # height of a line of the legend [px]
 _NARROW = 500.0  # width that the names of bars have beside each other on any page [px]
+_ON_BARS = "#4D4D4D"  # of intervals, which the page makes light where it is dark
 _FEW = 200  # values that take no room, and are kept as they are
 _UNSEEN = 1e-5  # of what a curve spans; the largest screens have 8,000 pixels
 _LETTER, _SYMBOL, _PAGE = 7.0, 46.0, 980.0  # widths that decide how many lines a legend takes [px]
@@ -158,7 +159,7 @@ def _bar_ticks(panel: Panel) -> dict[str, Any]:
     names = max((mark.categories for mark in panel.marks if isinstance(mark, Bars)), key=len, default=())
     if not names:
         return {}
-    ticks = {"tickmode": "array", "tickvals": list(range(len(names))), "ticktext": list(names)}
+    ticks = {"tickmode": "array", "tickvals": list(range(len(names))), "ticktext": list(names), "zeroline": False}
     if sum(map(len, names)) * _LETTER < _NARROW:
         return ticks
     # Names that slope down to the right would end outside of the chart, and plotly leaves out those that do.
@@ -237,7 +238,10 @@ def _hover(mark: Bars) -> dict[str, Any]:
 def _error(mark: Points | Bars) -> dict[str, Any]:
     if mark.error is None:
         return {}
-    return {"error_y": {"type": "data", "array": mark.error, "thickness": 1.2, "width": 0}}
+    look = (
+        {"thickness": 1.6, "width": 4, "color": _ON_BARS} if isinstance(mark, Bars) else {"thickness": 1.2, "width": 0}
+    )
+    return {"error_y": {"type": "data", "array": mark.error, **look}}
 
 
 def _rgb(color: str) -> str:

@@ -97,6 +97,7 @@ def test_bars_of_one_name_stand_side_by_side_in_the_page() -> None:
     axis = layout["xaxis"]
     assert (axis["tickvals"], axis["ticktext"]) == ([0, 1, 2, 3], list(names))
     assert axis["type"] == "linear"
+    assert not axis["zeroline"]  # through the first bar, whose number is 0
     assert [trace["offsetgroup"] for trace in traces] == ["middle", "middle"]
 
 

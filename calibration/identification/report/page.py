@@ -28,7 +28,7 @@ from ..curve import friction_curve
 from ..estimation.observation import Observations
 from ..result import IdentificationResult
 from ..status import Status
-from .chart import network_note, training_chart
+from .chart import network_note, training_chart, words
 
 _SEES_STATIC = 0.5
 """Slowest speed over Stribeck velocity up to which points show the static torque: exp(-1/4) = 78 % of what it adds."""
@@ -87,9 +87,10 @@ def judge_status(status: Status) -> tuple[Outcome, str]:
 def _tabulate(result: IdentificationResult) -> Table:
     """The parameters; the column of the profile is left out where no parameter has one."""
     interval = "95 % interval, if the law held" if result.status is Status.LACK_OF_FIT else "95 % interval"
-    heads, rows = ("parameter", "value", interval, "by profile likelihood", "unit"), parameter_rows(result)
+    heads = ("parameter", "value", interval, "by profile likelihood", "unit")
+    rows = [(words(name), *rest) for name, *rest in parameter_rows(result)]
     if any(row[3] for row in rows):
-        return Table(heads, rows)
+        return Table(heads, tuple(rows))
     return Table((*heads[:3], heads[4]), tuple((*row[:3], row[4]) for row in rows))
 
 
