@@ -28,7 +28,7 @@ from .location import collect_rows, find_change_points, locate, map_excess
 from .refitted import RefittedJoint
 from .repetition import refit_parts
 from .settings import GATES, LOCATION
-from .trial import Trial, put_to_trial
+from .trial import Trial, leave_out_unfit, put_to_trial
 from .velocity_lag import find_velocity_lag
 
 
@@ -137,8 +137,8 @@ def prefer_simulation(case: Case) -> Case:
 
 def collect_findings(case: Case) -> Findings:
     """Compute what speaks for and against each answer."""
+    case, trial = _put_to_trial(case)
     baseline, found = case.baseline, case.found
-    trial = put_to_trial(baseline, found, case.seed)
     chosen = trial.chosen
     tone = find_vibration(baseline) if chosen is None and matters(baseline) else None
     covered = trial.failed is not None
@@ -181,6 +181,17 @@ def collect_findings(case: Case) -> Findings:
         change_points=find_change_points(series),
         told_apart=compare_effects(baseline, found.first),
     )
+
+
+def _put_to_trial(case: Case) -> tuple[Case, Trial]:
+    """The trial of the best explanation, or of the best one without what has turned out to be none, if that holds."""
+    trial = put_to_trial(case.baseline, case.found, case.seed)
+    without = leave_out_unfit(case.baseline, case.found, trial)
+    if without is None:
+        return case, trial
+    other = prefer_simulation(replace(case, found=without))
+    second = put_to_trial(other.baseline, other.found, other.seed)
+    return (case, trial) if second.chosen is None else (other, second)
 
 
 def _repeat_comparison(case: Case, chosen: Explanation | None, tolerances: Tolerances) -> Mapping[str, float]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..effects import EFFECTS
-from ..search.choice import rank_acceptable
+from ..search.choice import choose, rank_acceptable
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
@@ -17,6 +17,8 @@ from .needs import find_one_way, list_objections
 from .refitted import RefittedJoint
 from .repetition import Repetitions, repeat_choice
 from .settings import NEEDS
+
+_UNFIT = "its own numbers speak against one of these effects"
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class Trial:
         failed: It, where it covers the mismatch and still is not named; else None.
         held: Held-out errors with what was chosen; None where nothing was.
         objections: What speaks against names that are not given, by name.
+        unfit: Those of them against which their own numbers speak.
         immaterial: Whether it covers the mismatch, of which the plain held-out error shows nothing.
     """
 
@@ -37,6 +40,7 @@ class Trial:
     failed: Explanation | None = None
     held: Confirmation | None = None
     objections: Mapping[str, str] = field(default_factory=dict)
+    unfit: frozenset[str] = frozenset()
     immaterial: bool = False
 
 
@@ -52,31 +56,46 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         seed: Of the bootstrap.
     """
     repetitions, best = repeat_choice(baseline, found), found.best
-    tried, objections = best, dict[str, str]()
+    tried, objections, unfit = best, dict[str, str](), frozenset[str]()
     while (
         tried is not None and covers(tried, found, baseline) and tried.common_order is None and not tried.foreign_curve
     ):
         held = confirm(baseline, tried.structure, tried.fit, seed, given=tried.before)
         if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
-            return Trial(repetitions, failed=tried, objections=objections)
-        against = _list_objections(baseline, found, tried, held, repetitions)
+            return Trial(repetitions, failed=tried, objections=objections, unfit=unfit)
+        own = list_objections(RefittedJoint.refit(baseline, tried))
+        against = own | _list_objections(baseline, found, tried, held, repetitions)
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections)
         if held.plain.explained < NEEDS.trace:
             return Trial(repetitions, failed=tried, objections=objections | against, immaterial=True)
         objections |= against
+        unfit |= own.keys()
         tried = _find_rest(found, set(tried.names) - set(against))
-    return Trial(repetitions, failed=best if objections else None, objections=objections)
+    return Trial(repetitions, failed=best if objections else None, objections=objections, unfit=unfit)
+
+
+def leave_out_unfit(baseline: Baseline, found: SearchResult, trial: Trial) -> SearchResult | None:
+    """What was found without effects against which their own numbers speak; None where nothing is chosen then.
+
+    Such an effect, as a stop that may have no stiffness, explains nothing, and another one may stand behind it.
+    """
+    if trial.chosen is not None or not trial.unfit:
+        return None
+    rest = [one for one in found.explanations if not trial.unfit & set(one.names)]
+    best = choose(baseline, rest, found.threshold)
+    out = [replace(one, refused=one.refused or _UNFIT) for one in found.explanations if trial.unfit & set(one.names)]
+    return None if best is None else replace(found, explanations=(*rest, *out), best=best)
 
 
 def _list_objections(
     baseline: Baseline, found: SearchResult, tried: Explanation, held: Confirmation, repetitions: Repetitions
 ) -> dict[str, str]:
-    """Say for each name what it lacks; nothing for those that lack nothing."""
+    """Say for each name what speaks against it besides its own numbers; nothing for those that lack nothing."""
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
         return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")
-    found_against = _find_forms(baseline, found, tried) | list_objections(RefittedJoint.refit(baseline, tried))
+    found_against = _find_forms(baseline, found, tried)
     found_against |= find_one_way(tried.names, [one.velocity for one in baseline.structure.contexts])
     for name in tried.names:
         share = repetitions.compute_share_of_any((name, *list_aliases(found, name)))

@@ -21,7 +21,7 @@ from ..inputs.track import FloatArray, Track
 from .observer import Plant
 from .settings import JOINT
 
-__all__ = ["estimate_plants", "estimate_rest_speed"]
+__all__ = ["estimate_beside", "estimate_plants", "estimate_rest_speed"]
 
 
 def estimate_rest_speed(tracks: Sequence[Track], width: float = JOINT.row_width) -> float:
@@ -69,7 +69,43 @@ def estimate_plants(
         DiagnosisError: Too few samples are faster.
     """
     rest_speed = estimate_rest_speed(tracks, width) if rest_speed is None else rest_speed
-    rows = [_build_rows(track, width, rest_speed) for track in tracks]
+    positions = [track.position - track.position.mean() for track in tracks]
+    sprung = _gather_rows(tracks, positions, width, rest_speed)
+    falls, solution, chosen = _choose_beside(sprung, rest_speed, known)
+    usual, level = (_build_plant(falls, solution, chosen, hold=hold) for hold in (False, True))
+    return (usual,) if usual == level else (usual, level)
+
+
+def estimate_beside(
+    tracks: Sequence[Track],
+    added: Sequence[FloatArray],
+    *,
+    width: float = JOINT.row_width,
+    known: RigidJoint | None = None,
+) -> Plant:
+    """Estimate a plant beside a torque of a known shape, of whatever size.
+
+    Args:
+        tracks: Recordings of one joint.
+        added: That torque along each of them [N·m] or [N]. Each of shape (n,).
+        width: Window of the test function [s].
+        known: Inertia and gravity of a simulation, which decide where the rows do not.
+
+    Raises:
+        DiagnosisError: The joint hardly ever slides.
+    """
+    rest_speed = estimate_rest_speed(tracks, width)
+    rows = _gather_rows(tracks, added, width, rest_speed)
+    return _build_plant(*_fit_falls(rows, rest_speed, known), rows, hold=False)
+
+
+def _gather_rows(tracks: Sequence[Track], beside: Sequence[FloatArray], width: float, rest_speed: float) -> WeakRows:
+    """Rows of all recordings, as many as are needed, beside the samples of one column along each of them.
+
+    Raises:
+        DiagnosisError: There are too few.
+    """
+    rows = [_build_rows(track, width, rest_speed, own) for track, own in zip(tracks, beside, strict=True)]
     joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
     if joined.torque.size < 20:
         needed = max(2 * _measure_margin(track, width) * track.dt for track in tracks)
@@ -79,9 +115,7 @@ def estimate_plants(
             "one that goes on for longer in one direction"
         )
     keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
-    falls, solution, chosen = _choose_beside(WeakRows(*(part[keep] for part in joined)), rest_speed, known)
-    usual, level = (_build_plant(falls, solution, chosen, hold=hold) for hold in (False, True))
-    return (usual,) if usual == level else (usual, level)
+    return WeakRows(*(part[keep] for part in joined))
 
 
 def _choose_beside(
@@ -142,7 +176,7 @@ def _measure_margin(track: Track, width: float) -> int:
     return _count_window(track, width) // 2 + max(3, round(0.021 / track.dt))
 
 
-def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
+def _build_rows(track: Track, width: float, rest_speed: float, beside: FloatArray) -> WeakRows:
     length = _count_window(track, width)
     s = (np.arange(length) + 1.0) / (length + 1)
     phi = 0.5 - 0.5 * np.cos(2 * np.pi * s)
@@ -167,7 +201,7 @@ def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
         torque=average(track.torque, phi),
         inertia=average(q - q.mean(), curvature),
         gravity=np.stack([average(g, phi) for g in gravity], axis=1),
-        beside=average(q - q.mean(), phi)[:, None],
+        beside=average(beside, phi)[:, None],
         velocity=average(track.velocity, phi),
         direction=np.sign(track.velocity[centres]),
     )

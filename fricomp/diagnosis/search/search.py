@@ -23,6 +23,7 @@ from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
 from .simulated_body import hold, move_to
+from .straightened import fit_straightened
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
         tried += fit_overtones(baseline, [best], threshold)
         best = choose(baseline, tried, threshold) or best
         close = select_finalists(best, rank_acceptable(tried, threshold))
-        close += _fit_twins(baseline, best)
+        close += _fit_twins(baseline, best) + fit_straightened(baseline, best)
         finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
         parted: list[Explanation] = []

@@ -8,7 +8,7 @@ from fricomp.diagnosis.evidence import trial
 from fricomp.diagnosis.evidence.confirmation import Confirmation, PlainErrors
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
 from fricomp.diagnosis.evidence.repetition import Repetitions
-from fricomp.diagnosis.evidence.trial import Trial, put_to_trial
+from fricomp.diagnosis.evidence.trial import Trial, leave_out_unfit, put_to_trial
 from fricomp.diagnosis.search.explanation import Explanation
 
 from ..known import known_baseline, known_fit, known_search
@@ -90,3 +90,25 @@ def test_what_is_left_may_be_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     found = _try(monkeypatch, one, shares=shares, against={"cogging": "its interval holds zero"})
     assert found.chosen is None
     assert found.objections == {"cogging": "its interval holds zero"}
+
+
+def test_what_stands_behind_an_effect_that_is_none_is_chosen_without_it() -> None:
+    """A stop that may have no stiffness hid a push, which counts for less than it explains."""
+    baseline = known_baseline()
+    stop = known_fit(baseline, ["end_stop"], 500.0, coverage=0.98)
+    both = known_fit(baseline, ["end_stop", "external_disturbance"], 520.0, coverage=0.99)
+    push = known_fit(baseline, ["external_disturbance"], 510.0, coverage=0.99)
+    found = known_search(stop, both, push)
+    without = leave_out_unfit(baseline, found, Trial(unfit=frozenset({"end_stop"})))
+    assert without is not None
+    assert without.best is push
+    assert {one.names for one in without.explanations if one.refused} == {stop.names, both.names}
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_nothing_is_left_out_where_something_is_named_or_its_numbers_are_sound(named: bool) -> None:
+    baseline = known_baseline()
+    push = known_fit(baseline, ["external_disturbance"], 510.0, coverage=0.99)
+    stop = known_fit(baseline, ["end_stop"], 500.0, coverage=0.98)
+    trial = Trial(chosen=push, unfit=frozenset({"end_stop"})) if named else Trial(objections={"end_stop": "seldom"})
+    assert leave_out_unfit(baseline, known_search(stop, push), trial) is None

@@ -13,7 +13,7 @@ from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, Track
 from fricomp.diagnosis.joint.kernel import _compute_fall
 from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques
 from fricomp.diagnosis.joint.problem import Problem, build_problem, improve_track
-from fricomp.diagnosis.joint.weak_form import _bound_curve, estimate_plants
+from fricomp.diagnosis.joint.weak_form import _bound_curve, estimate_beside, estimate_plants
 from fricomp.root_mean_square import compute_rms
 
 from ..toy_joint import ToyJoint, record
@@ -97,6 +97,21 @@ def test_friction_under_load_bends_no_inertia_in_the_weak_form(coefficient: floa
     assert found.inertia == pytest.approx(joint.inertia, rel=0.15)
     assert np.hypot(*found.gravity) == pytest.approx(joint.gravity, rel=0.05)
     assert found.forward[0] == pytest.approx(joint.forward[0], rel=0.15)
+
+
+@pytest.mark.parametrize("drag", [0.3, 1.5])
+def test_beside_a_drag_the_curves_are_those_of_the_joint(drag: float) -> None:
+    """Of the drag the shape is known alone; without it viscous friction takes it up."""
+    joint = ToyJoint()
+    track = track_of(joint, "rich", 60.0)
+    curve = track.velocity * np.abs(track.velocity)
+    dragged = replace(track, torque=track.torque + drag * curve)
+    found = estimate_beside([dragged], [7.0 * curve])
+    assert found.forward[0] == pytest.approx(joint.forward[0], rel=0.1)
+    assert found.forward[2] == pytest.approx(joint.forward[2], rel=0.2)
+    assert found.forward[3] == pytest.approx(joint.forward[3], rel=0.1)
+    alone, *_ = estimate_plants([dragged])
+    assert abs(alone.forward[3] - joint.forward[3]) > 3.0 * abs(found.forward[3] - joint.forward[3])
 
 
 def _move_one_way_at_one_speed(noise: float = 0.02) -> Track:
