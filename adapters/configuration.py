@@ -13,7 +13,7 @@ import msgspec
 from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.model import Motion
-from fricomp.untrusted import parse_toml, read_whole
+from fricomp.untrusted import convert_table, parse_toml, read_whole
 
 from .options import AdapterOptions
 from .transmission import Transmission
@@ -255,7 +255,7 @@ def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configure
     """
     where = str(getattr(configuration, "path", "configuration"))
     try:
-        made = msgspec.convert(dict(configuration), to)
+        made = convert_table(dict(configuration), to)
     except (msgspec.ValidationError, ValueError) as error:
         hint = "" if configuration else "; give the drive's file with --config (docs/adapters.md)"
         raise AdapterConfigurationError(f"{where}: {error}{hint}") from error

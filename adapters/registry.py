@@ -70,6 +70,8 @@ def open_adapter(name: str, configuration: Mapping[str, Any] | None = None) -> J
         AdapterConfigurationError: The name or the configuration is wrong, or the configuration is for another backend.
     """
     found, given = adapter_class(name), dict(configuration or {})
+    if isinstance(configuration, ConfigurationTable):
+        given = ConfigurationTable(given, configuration.path)
     named = given.pop("backend", None)
     if named not in (None, name):
         raise AdapterConfigurationError(f"the configuration is for backend {named!r}, but {name!r} is asked for")

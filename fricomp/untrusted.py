@@ -2,14 +2,16 @@
 
 import errno
 import os
+import re
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
 import msgspec
+from msgspec.inspect import UnionType, type_info
 
 from fricomp.errors import RecordingError
 
@@ -51,6 +53,49 @@ def parse_json(data: bytes | str, kind: Any = Any) -> Any:
         raise msgspec.DecodeError("it is nested too deeply") from None
     except ValueError as error:  # no text in UTF-8, or a number of thousands of digits
         raise msgspec.DecodeError(str(error)) from error
+
+
+def convert_table(table: Any, kind: type[_T]) -> _T:
+    """What stands in a table, as a value of this kind.
+
+    Raises:
+        msgspec.ValidationError: A key or a value is none that the kind has; the message lists those there are.
+    """
+    try:
+        return msgspec.convert(table, kind)
+    except msgspec.ValidationError as error:
+        said = str(error)
+        valid = ", ".join(_list_valid(said, kind))
+        raise msgspec.ValidationError(f"{said.replace('`', '')}{'; valid are ' if valid else ''}{valid}") from error
+
+
+_STEP = re.compile(r"\.(\w+)|\[[^\]]*\]")
+"""A step of the path in a message of msgspec: to a field, or to an entry of a list or of a table."""
+
+
+def _list_valid(said: str, kind: type) -> list[str]:
+    """Keys or values that could stand where a message of msgspec finds one that could not."""
+    here = list(_flatten([type_info(kind)]))
+    for step in _STEP.finditer(said.partition(" - at `$")[2].rstrip("`")):
+        here = list(_flatten(inner for one in here for inner in _enter(one, step[1])))
+    if "unknown field" in said:
+        return [field.encode_name for one in here for field in getattr(one, "fields", ())]
+    if "enum value" in said:
+        return [repr(value) for one in here for value in getattr(one, "values", ())]
+    return []
+
+
+def _flatten(types: Iterable[Any]) -> Iterator[Any]:
+    for one in types:
+        yield from one.types if isinstance(one, UnionType) else (one,)
+
+
+def _enter(kind: Any, field: str | None) -> list[Any]:
+    """The kinds of a field, or of the entries of a list or a table."""
+    if field is not None:
+        return [one.type for one in getattr(kind, "fields", ()) if one.encode_name == field]
+    inner = [getattr(kind, name, None) for name in ("item_type", "value_type")]
+    return [one for one in inner if one is not None] + list(getattr(kind, "item_types", ()))
 
 
 def parse_toml(text: str) -> dict[str, Any]:

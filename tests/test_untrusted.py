@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Callable
 from contextlib import closing, suppress
 from pathlib import Path
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -41,7 +42,7 @@ from fricomp.recording.named.source import read_named_columns
 from fricomp.recording.sources import read_columns
 from fricomp.report import Chart, Check, Line, Panel, ReportPage, Section, Table, draw_png, write_report
 from fricomp.simulation_file import read_specification
-from fricomp.untrusted import parse_json, parse_toml
+from fricomp.untrusted import convert_table, parse_json, parse_toml
 from fricomp.whole_file import write_whole
 
 from .recording.hostile.ros import load_types, write_bag
@@ -344,3 +345,38 @@ def test_a_bag_that_unpacks_without_end_is_refused_before_the_disk_is_filled(
     file.write_bytes(compress(bytes(2**25)))
     with pytest.raises(FricompError, match="unpacks into more than 16777216 bytes"):
         read_columns(tmp_path / "bag", Source(), [1])
+
+
+class _Entry(msgspec.Struct, forbid_unknown_fields=True):
+    mark: Literal["dot", "cross"] = "dot"
+    size: float | None = None
+
+
+class _Table(msgspec.Struct, forbid_unknown_fields=True):
+    name: str = ""
+    one: _Entry | None = None
+    many: tuple[_Entry, ...] = ()
+    called: dict[str, _Entry] = {}
+
+
+@pytest.mark.parametrize(
+    ("table", "valid"),
+    [
+        ({"nome": ""}, "valid are name, one, many, called"),
+        ({"one": {"sise": 1}}, "valid are mark, size"),
+        ({"many": [{}, {"mark": "ring"}]}, "valid are 'dot', 'cross'"),
+        ({"called": {"a": {"mark": "ring"}}}, "valid are 'dot', 'cross'"),
+    ],
+)
+def test_a_table_is_refused_with_what_could_stand_in_it(table: dict[str, Any], valid: str) -> None:
+    assert convert_table({"many": [{"mark": "dot"}]}, _Table).many == (_Entry(),)
+    with pytest.raises(msgspec.ValidationError) as refused:
+        convert_table(table, _Table)
+    assert sorted(str(refused.value).partition("; ")[2].replace("valid are ", "").split(", ")) == sorted(
+        valid.replace("valid are ", "").split(", ")
+    )
+
+
+def test_a_table_of_another_kind_is_refused_as_it_is() -> None:
+    with pytest.raises(msgspec.ValidationError, match="Expected str, got int - at"):
+        convert_table({"name": 3}, _Table)

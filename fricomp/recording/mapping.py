@@ -25,7 +25,7 @@ from msgspec import Meta
 
 from fricomp.errors import RecordingError
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS
-from fricomp.untrusted import parse_toml, read_whole
+from fricomp.untrusted import convert_table, parse_toml, read_whole
 
 Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2", "parquet"]
 Column = Annotated[int, Meta(ge=1)] | str
@@ -234,7 +234,7 @@ def _read_mapping(name_or_path: str | Path) -> str:
 
 
 def _parse_mapping(content: dict[str, Any]) -> Mapping:
-    mapping = msgspec.convert(content, Mapping)
+    mapping = convert_table(content, Mapping)
     named = [mapping.channels, *(f.channels for f in mapping.files), *(joint.channels for joint in mapping.joints)]
     for channels in named:
         for name in channels:

@@ -13,6 +13,7 @@ from fricomp.control import JointLimits
 from fricomp.errors import ParameterError
 from fricomp.laws import FrictionLaw
 from fricomp.model import load_model
+from fricomp.untrusted import convert_table
 
 from .disturbance import Disturbance, Sinusoid
 from .packaged import (
@@ -83,7 +84,7 @@ def read_configuration(configuration: Mapping[str, Any]) -> tuple[StandInSetting
         ParameterError: A key is unknown or a value is wrong.
     """
     try:
-        return _settings(msgspec.convert(dict(configuration), StandInTable))
+        return _settings(convert_table(dict(configuration), StandInTable))
     except msgspec.ValidationError as error:
         raise ParameterError(f"simulated joint: {error}") from error
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import msgspec
 
 from fricomp.errors import AdapterConnectionError, MissingExtraError, ParameterError
+from fricomp.untrusted import convert_table
 
 from ..stand_in import StandIn
 from ..stand_in.configuration import read_configuration
@@ -85,7 +86,7 @@ def make_twin(
     if protocol not in PROTOCOLS:
         raise ParameterError(f"no twin for {protocol!r}; there are {', '.join(PROTOCOLS)}")
     try:
-        table = msgspec.convert(dict(configuration or {}), TwinTable)
+        table = convert_table(dict(configuration or {}), TwinTable)
     except msgspec.ValidationError as error:
         raise ParameterError(f"twin: {error}") from error
     settings, _ = read_configuration(table.sim)
@@ -190,6 +191,6 @@ def _settings(kind: type[_Settings], values: dict[str, Any]) -> _Settings:
     if unknown:
         raise ParameterError(f"a drive has no {', '.join(unknown)}; known: {', '.join([*known, 'gear_ratio'])}")
     try:
-        return msgspec.convert(values, kind)
+        return convert_table(values, kind)
     except msgspec.ValidationError as error:
         raise ParameterError(f"drive: {error}") from error

@@ -165,7 +165,7 @@ def test_two_joints_of_one_name_or_address_are_refused(what: str) -> None:
 
 
 def test_a_rate_which_nothing_reads_is_refused_by_name() -> None:
-    with pytest.raises(AdapterConfigurationError, match="unknown field `rate`"):
+    with pytest.raises(AdapterConfigurationError, match="unknown field rate"):
         open_adapter("mit", table() | {"rate": 500.0})
 
 
@@ -194,5 +194,5 @@ def test_a_file_that_is_not_there_is_told_of_in_words(tmp_path: Path) -> None:
 def test_what_is_wrong_in_a_file_is_told_with_its_name(tmp_path: Path) -> None:
     path = tmp_path / "drive.toml"
     path.write_text("nonsense = 3\n", encoding="utf-8")
-    with pytest.raises(AdapterConfigurationError, match=r"drive\.toml: Object contains unknown field `nonsense`"):
+    with pytest.raises(AdapterConfigurationError, match=r"drive\.toml: Object contains unknown field nonsense"):
         convert(read_table(path), AdapterConfiguration)

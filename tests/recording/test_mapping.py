@@ -26,10 +26,10 @@ def test_mappings_of_the_package_load_and_say_where_their_data_come_from(name: s
     ("text", "message"),
     [
         ("[channels", "mapping .*toml: "),
-        ("[chanels]", "unknown field `chanels`|missing required field"),
+        ("[chanels]", "unknown field chanels|missing required field"),
         ("[channels]\ntime = { column = 1 }", "channel 'position' is missing"),
         (_NUMBERED + "effort = { column = 4 }", "unknown channel 'effort': valid are time"),
-        (_NUMBERED + "velocity = { colum = 4 }", "unknown field `colum`"),
+        (_NUMBERED + "velocity = { colum = 4 }", "unknown field colum"),
         (_NUMBERED + "velocity = { column = 4, constant = 1 }", "exactly one of column, constant"),
         (_NUMBERED + "velocity = { column = 4, sign = 2 }", r"channels\[...\].sign"),
         (_NUMBERED + "velocity = { column = 0 }", ">= 1"),
@@ -44,7 +44,7 @@ def test_bad_mappings_are_refused_with_the_reason(tmp_path: Path, text: str, mes
     path.write_text(text)
     with pytest.raises(RecordingError, match=message):
         load_mapping(path)
-    with pytest.raises(RecordingError, match="no mapping 'nowhere': give a TOML file or one of am-d02-arm, anymal-sea"):
+    with pytest.raises(RecordingError, match=r"no mapping 'nowhere' \(.*\): give a TOML file or one of am-d02-arm"):
         load_mapping("nowhere")
 
 

@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
-from fricomp.untrusted import parse_toml, read_whole
+from fricomp.untrusted import convert_table, parse_toml, read_whole
 
 from .left_out import fit_without_blocks
 from .settings import INPUT
@@ -98,12 +98,11 @@ def read_controller(path: str | Path) -> Controller:
     """
     try:
         table = parse_toml(read_whole(path).decode("utf-8"))
-        found = msgspec.convert(table.get("controller", table), _File)
+        found = convert_table(table.get("controller", table), _File)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DiagnosisError(f"cannot read the controller {path}: {error}") from error
     except msgspec.ValidationError as error:
-        known = ", ".join(_File.__struct_fields__)
-        raise DiagnosisError(f"the controller {path} is no PD or PID loop: {error}; its keys are {known}") from error
+        raise DiagnosisError(f"the controller {path} is no PD or PID loop: {error}") from error
     gains = {name: getattr(found, name) for name in _File.__struct_fields__ if name != "kind"}
     return Controller(**gains)
 
