@@ -30,6 +30,8 @@ _LARGEST_RATIO = 200
 _LARGEST_WHOLE = 2**26
 """Size of a file that is read as one piece, such as a configuration, a model or a record [bytes]: none has a tenth,
 networks of a thousand joints included."""
+_ENDLESS_KEY = re.compile(r"""(?<![\w.-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){100}""")
+"""A key of TOML of more parts than any: the parser's time and memory go with their square."""
 _CELLS = 2**24
 """Cells that every table may have; more where at least one of 200 is filled."""
 _COPIES = 4
@@ -105,6 +107,8 @@ def parse_toml(text: str) -> dict[str, Any]:
         tomllib.TOMLDecodeError: It is no TOML, is nested more deeply than anything that is meant, or has a number of
             thousands of digits.
     """
+    if _ENDLESS_KEY.search(text):
+        raise tomllib.TOMLDecodeError("it is nested too deeply")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError:

@@ -31,6 +31,7 @@ from fricomp.cli.main import app
 from fricomp.cli.terminal import console, plain
 from fricomp.control.compensation.network_file import open_network
 from fricomp.diagnosis import read_controller
+from fricomp.diagnosis.inputs.rigid import read_simulation
 from fricomp.diagnosis.record.record_file import load_diagnosis
 from fricomp.errors import FricompError
 from fricomp.export import render_c_header
@@ -109,7 +110,17 @@ def test_json_that_no_parser_takes_is_an_error_of_the_parser(text: str) -> None:
         parse_json(text.encode("utf-8", "surrogateescape"), dict[str, float])
 
 
-@pytest.mark.parametrize("text", [f"a = {'[' * DEEP}", f"a = {'9' * 5000}", f"a = {'{b=' * DEEP}"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"a = {'[' * DEEP}",
+        f"a = {'9' * 5000}",
+        f"a = {'{b=' * DEEP}",
+        f"a{'.a' * DEEP} = 1",
+        "'a'" + ' . "a"' * DEEP + " = 1",
+        f"x = {{a{'.a' * DEEP} = 1}}",
+    ],
+)
 def test_toml_that_no_parser_takes_is_an_error_of_the_parser(text: str) -> None:
     with pytest.raises(ValueError, match=r"nested too deeply|digits"):
         parse_toml(text)
@@ -154,6 +165,12 @@ def test_a_file_without_end_is_not_read_to_its_end(read: Callable[[Path], object
 def test_a_path_that_no_file_can_have_is_one_that_is_not_there(read: Callable[[Path], object]) -> None:
     with pytest.raises(FricompError):
         read(Path("a\0b"))
+
+
+def test_a_simulation_without_a_joint_is_refused_as_one_joint(tmp_path: Path) -> None:
+    (tmp_path / "bare.urdf").write_text('<robot name="bare"><link name="a"/></robot>')
+    with pytest.raises(FricompError, match=r"bare\.urdf has no joint"):
+        read_simulation(tmp_path / "bare.urdf")
 
 
 def test_links_in_a_circle_are_refused_as_inputs_and_as_results(tmp_path: Path) -> None:

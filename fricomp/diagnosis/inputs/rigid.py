@@ -80,6 +80,8 @@ def read_simulation(path: str | Path, joint: str | None = None) -> RigidJoint:
     import mujoco
 
     names = [model.joint(i).name for i in range(model.njnt)]
+    if not names:
+        raise DiagnosisError(f"{path} has no joint: give a file whose joint moves")
     if joint is None and len(names) > 1:
         raise DiagnosisError(f"{path} has several joints: say which of {', '.join(names)}")
     if joint is not None and joint not in names:
