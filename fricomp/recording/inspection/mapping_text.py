@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from fricomp.recording.named.choice import INTEGRAL
-from fricomp.recording.named.clock import PARTS_OF_SECONDS, says_steps
+from fricomp.recording.named.clock import AT_RATE, PARTS_OF_SECONDS, says_steps
 from fricomp.recording.named.log import NamedLog
 from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
@@ -35,19 +35,30 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     lines += ['torque_side = "motor"'] if metadata.torque_side == "motor" else []
     lines += [] if known["encoder_resolution"] else [_ENCODER]
     stamps, meaning = next(iter(joints.values()))["time"]
-    seconds, parts = stamps, list[str]()
-    for unit, between in (("nanoseconds", PARTS_OF_SECONDS[1e-9]), ("microseconds", PARTS_OF_SECONDS[1e-6])):
-        if between in stamps:
-            seconds, rest = stamps.split(between)
-            parts = [f"{unit} = {render_column(rest, layout)}"]
-    parts += ["steps = true"] if says_steps(seconds) else []
-    lines += ["", "[channels]", _rule("time", seconds, meaning.unit, layout, *parts, "from_zero = true")]
+    lines += ["", "[channels]", _render_time(stamps, meaning.unit, layout)]
     for name, columns in joints.items():
         table = "" if len(joints) == 1 else "channels."
         lines += [] if len(joints) == 1 else ["", "[[joints]]", f"name = {_quote(name)}"]
         own = ((channel, *source) for channel, source in columns.items() if channel != "time")
         lines += [table + _rule(channel, column, one.unit, layout) for channel, column, one in own]
     return "\n".join(lines) + "\n"
+
+
+def _render_time(stamps: str, unit: str, layout: TextLayout | None) -> str:
+    """The rule for the time: of one column, of a stamp in two, or of rows by their rate."""
+    counter, at, rate = stamps.rpartition(AT_RATE)
+    if at and rate.endswith(" Hz"):
+        hertz = float(rate.removesuffix(" Hz"))
+        if not counter:
+            return f"time = {{ rate = {hertz!r} }}"
+        return _rule("time", counter, "", layout, f"scale = {1.0 / hertz!r}", "from_zero = true")
+    seconds, parts = stamps, list[str]()
+    for part, between in (("nanoseconds", PARTS_OF_SECONDS[1e-9]), ("microseconds", PARTS_OF_SECONDS[1e-6])):
+        if between in stamps:
+            seconds, rest = stamps.split(between)
+            parts = [f"{part} = {render_column(rest, layout)}"]
+    parts += ["steps = true"] if says_steps(seconds) else []
+    return _rule("time", seconds, unit, layout, *parts, "from_zero = true")
 
 
 def describe_source(path: Path, layout: TextLayout | None) -> list[str]:

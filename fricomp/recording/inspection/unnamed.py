@@ -14,7 +14,8 @@ from fricomp.errors import RecordingError
 from fricomp.recording.checks.torque_causes import fit_joint
 from fricomp.recording.named.clock import TIME_UNITS, find_stamps
 from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
-from fricomp.recording.named.device_unit import find_rating_parts, is_of_axis
+from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
+from fricomp.recording.named.head_fact import fill_head_facts
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
@@ -214,9 +215,10 @@ def render_guess(
         unit, is_asked = _read_stated_unit(name)
         share = find_rating_parts(name, beside) if channel == "torque" else 0
         asked = is_asked or is_of_axis(name) or (name in counted and not unit)
-        scale = f"RATED/{share}" if share else "VALUE_OF_ONE" if asked else ""
+        scale = f"{'SUPPLY' if is_duty(name) else 'RATED'}/{share}" if share else "VALUE_OF_ONE" if asked else ""
         parts = [f"column = {render_column(name, layout)}", *([f'unit = "{unit}"'] if unit else [])]
-        return f"{channel} = {{ {', '.join([*parts, *([f'scale = {scale}'] if scale else [])])} }}"
+        line = f"{channel} = {{ {', '.join([*parts, *([f'scale = {scale}'] if scale else [])])} }}"
+        return fill_head_facts(path, line, name)
 
     lines = [f"# {path.name}: a guess by what the numbers do and the names of its columns say. Correct it.", ""]
     lines += [*_describe_text(path, layout, numbered=numbered), ""] if layout is not None else []

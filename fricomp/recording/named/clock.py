@@ -16,6 +16,7 @@ from fricomp.recording.validity import Samples, find_readings
 
 from .choice import list_names
 from .column import read_column_name
+from .head_fact import read_head_facts
 
 _UNIT = r"(s|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|с|сек|мс|мкс)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
@@ -41,6 +42,9 @@ _PERIOD = re.compile(
 )
 """Names of a single number that is the time from row to row."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
+_COUNTER = re.compile(
+    r"(^|[/_. ])(samples?|index|idx|n|nr|no|counter|count|cycles?|rows?)([_ ]?(no|nr|num\w*))?$", re.I
+)
 _TICK = re.compile(r"(^|[/_. ])ticks?$", re.IGNORECASE)
 _MOTOR_STATE = re.compile(r"motor_?state", re.IGNORECASE)
 """The counter of milliseconds beside the motors' states of a robot by Unitree."""
@@ -76,6 +80,10 @@ _FAR_MORE_EVEN = 0.5
 
 PARTS_OF_SECONDS = {1e-9: " + 1e-9 ", 1e-6: " + 1e-6 "}
 """What stands between the names of two columns that are one time, by what one of the second is [s]."""
+
+
+AT_RATE = " at "
+"""Between the name of a counter of rows, if there is one, and their rate, where these are the time."""
 
 
 class RowTimes(NamedTuple):
@@ -137,6 +145,9 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
             _require_times(path, steps, columns[steps])
             unit = _read_unit(steps) or _guess_unit(np.cumsum(columns[steps]))
             return RowTimes(steps, unit, np.cumsum(columns[steps]) * find_unit(unit).factor)
+        rate = read_head_facts(path).get("rate")
+        if rate is not None:
+            return _count_stated(columns, rate.value, rows)
         if all(read_column_name(name) is None for name in columns):
             raise RecordingError(_explain_nameless(path, columns))
         raise RecordingError(
@@ -159,6 +170,20 @@ def _count_rows(path: Path, name: str, period: Samples, rows: int) -> RowTimes:
     each = np.full(rows, float(_require_times(path, name, np.repeat(period, 2))[0]))
     unit = _read_unit(name) or _guess_unit(np.cumsum(each))
     return RowTimes(name, unit, np.cumsum(each) * find_unit(unit).factor)
+
+
+def _count_stated(columns: Mapping[str, Samples], rate: float, rows: int) -> RowTimes:
+    """The time of rows by their rate, which stands above them: of a counter that numbers them, else one by one."""
+    counters = (name for name, values in columns.items() if _COUNTER.search(name) and values.size == rows)
+    name = next((one for one in counters if _numbers_rows(columns[one])), "")
+    numbers = columns[name] if name else np.arange(rows, dtype=np.float64)
+    return RowTimes(f"{name}{AT_RATE}{rate!r} Hz", "s", (numbers - numbers[0]) / rate)
+
+
+def _numbers_rows(values: Samples) -> bool:
+    """Whether whole numbers go on by one from row to row, but for rows that are missing."""
+    steps = np.diff(values)
+    return bool(np.all(np.isfinite(values)) and np.all(steps == np.round(steps)) and np.median(steps) == 1.0)
 
 
 def _require_times(path: Path, name: str, values: Samples) -> Samples:

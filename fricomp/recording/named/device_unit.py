@@ -14,10 +14,12 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning
+from .head_fact import say_head_facts
 
 _FAR = 8.0 * np.pi
 """Way of an axis without a unit [rad], above which it is as likely in degrees or mm: four turns of a joint."""
 _RATED = ("torque", "torque_command", "current", "load_torque")
+_DUTY = re.compile(r"(?<![a-z])(?:duty|pwm)(?![a-z])", re.IGNORECASE)
 _PER_CENT = re.compile(r"[%]|(?<![a-z])(?:percent|pct)(?![a-z])", re.IGNORECASE)
 _PER_MILLE = re.compile(
     r"‰|(?<![a-z])(?:permille|per[ _]thousand|per[ _]mille)(?![a-z])|(?<![0-9A-Fa-f])(?:0x)?607[1478](?:h|\b|_)",
@@ -41,6 +43,11 @@ def find_rating_parts(name: str, beside: Collection[str]) -> int:
     if _PER_CENT.search(name) or (tag and f"{tag.group(1)}.ActualPosition" in beside):
         return 100
     return 1000 if _PER_MILLE.search(name) else 0
+
+
+def is_duty(name: str) -> bool:
+    """Whether a column is called as the part of the supply that a drive switches on."""
+    return bool(_DUTY.search(name))
 
 
 def is_of_axis(name: str) -> bool:
@@ -98,6 +105,15 @@ def explain_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, 
     """
     if meaning.unit not in (RAW_UNIT, UNKNOWN_UNIT):
         return ""
+    if is_duty(column) and channel in _RATED and find_rating_parts(column, beside):
+        return (
+            f"{path}: {column!r} is a part of the supply, and no torque: write {channel} = {{ column = {column!r}, "
+            'scale = SUPPLY/100 } with the number worked out and torque_unit = "V", SUPPLY in V, or record the current'
+        )
+    return say_head_facts(path, _ask_unit(path, channel, column, meaning, beside), column)
+
+
+def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> str:
     parts = find_rating_parts(column, beside) if channel in _RATED else 0
     if parts:
         share, what = ("per cent", "per mille")[parts == 1000], "current" if channel == "current" else "torque"

@@ -17,6 +17,7 @@ from fricomp.recording.validity import Samples
 from .choice import TORQUES, Chosen, list_names
 from .clock import find_stamps
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
+from .head_fact import say_head_facts
 from .source import read_first_lines
 
 _PHASE = re.compile(r"(?:^|[_./ ])(?:[iI]|[Pp]hase|[Cc]urrent)[_ ]?([abcuvwABCUVW])(?![A-Za-z])")
@@ -31,7 +32,7 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
     """What the columns do not say, and what to write."""
     motors = [own["motor_position"] for own in chosen.values() if "motor_position" in own and "position" not in own]
     if motors:
-        return _explain_motor(path, *motors[0])
+        return say_head_facts(path, _explain_motor(path, *motors[0]))
     phases = _find_phases(columns)
     if phases:
         return (

@@ -10,6 +10,8 @@ import numpy as np
 
 from fricomp.recording.validity import Samples
 
+from .head_fact import HeadFact, read_head_facts
+
 _CALLED = re.compile(r"(?:^|[._/ ])(?:k_?t|k_?tau|torque_?constant)(?![A-Za-z])", re.IGNORECASE)
 """Names of a torque constant, whatever path is before and unit behind them: `Kt`, `motor.kt_NmA`, `torqueConstant`."""
 
@@ -25,14 +27,21 @@ def say_torque_constant(path: Path, columns: Mapping[str, Samples], current: str
         current: Name of the one that stands for the torque.
     """
     found = [(name, float(values.flat[0])) for name, values in columns.items() if _is_constant(name, values)]
+    facts = read_head_facts(path)
+    if not found and "KT" in facts:
+        found = [(facts["KT"].said, facts["KT"].value)]
     if len(found) != 1:
         return []
     name, value = found[0]
     return [
         f"{path.name}: {name!r} = {value:.6g} is called as a torque constant, and what is found is in A: for N·m write "
         f'torque = {{ column = "{current}", scale = {value:.6g} }} and torque_unit = "N·m" in a mapping, the scale '
-        "times the gear ratio where the position is behind a gear."
+        f"times the gear ratio{_say_ratio(facts)} where the position is behind a gear."
     ]
+
+
+def _say_ratio(facts: Mapping[str, HeadFact]) -> str:
+    return f", {facts['RATIO'].value:.6g} by {facts['RATIO'].said!r}," if "RATIO" in facts else ""
 
 
 def _is_constant(name: str, values: Samples) -> bool:

@@ -1,0 +1,136 @@
+"""Facts that stand above the rows of a text: the rate of its rows, ratings, constants and gears.
+
+A rate stands in for a time that no column holds. What is worth of a unit hangs on which side of a gear a column is:
+that is said beside what is asked for, and not done.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from fricomp.recording.sources import is_text
+from fricomp.recording.sources.text import find_encoding
+from fricomp.recording.sources.text_layout import FIRST_LINES, find_layout
+from fricomp.recording.unit import UNITS
+from fricomp.recording.unit_word import read_unit
+
+_PER_TURN = r"(?:/|per|a|pro)[ _]*(?:rev\w*|turn|umdrehung)"
+_CALLED = {
+    "rate": r"(?:sampl\w*|log\w*|record\w*|acquisition|update|abtast\w*)[ _-]*(?:rate|freq\w*)|abtastrate|fs|f_s",
+    "step": r"(?:sampl\w*|cycle|abtast\w*|zyklus)[ _-]*(?:interval|time|period|zeit)",
+    "COUNTS_A_TURN": rf"(?:encoder[ _-]*)?cpr|counts?[ _]*{_PER_TURN}|(?:increments?|inkremente|inc)[ _]*{_PER_TURN}",
+    "RATED": r"(?:rated|nominal)[ _-]*(?:motor[ _-]*)?(?:torque|current)|nenn(?:dreh)?moment|nennstrom",
+    "KT": r"k_?t|torque[ _-]*constant|drehmomentkonstante",
+    "RATIO": r"(?:gear[ _-]*ratio|reduction(?:[ _-]*ratio)?|(?:getriebe)?übersetzung)",
+}
+"""What each fact is called, by what stands for it in a mapping that is proposed."""
+_NUMBER = r"[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?"
+_FACT = {
+    name: re.compile(
+        rf"(?<![\w.])(?:{called})\s*(?:[\[(]([^\])]*)[\])])?\s*[:=;,\t ]\s*({_NUMBER})(?:\s*[:/]\s*({_NUMBER}))?"
+        r"(?:\s*[;,]?\s*[\[(]?([^\W\d][^\s;,\])]*))?",
+        re.IGNORECASE,
+    )
+    for name, called in _CALLED.items()
+}
+_BEFORE = re.compile(r"(\d+)[ _]*cpr(?![a-z])", re.IGNORECASE)
+"""Counts of a turn in the name of a column: `encoder (4096 cpr)`."""
+_RATES = {"": 1.0, "hz": 1.0, "khz": 1e3, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0, "1/s": 1.0}
+_STEPS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
+"""What one of a unit is [Hz] or [s]."""
+
+
+class HeadFact(NamedTuple):
+    """A number that is stated above the rows.
+
+    Attributes:
+        value: In SI, of a rate in Hz.
+        said: As it stands there.
+    """
+
+    value: float
+    said: str
+
+
+def read_head_facts(path: Path) -> dict[str, HeadFact]:
+    """What is stated above the rows of a text, by what stands for it in a mapping; `rate` is that of the rows [Hz].
+
+    Nothing of any other file, nor what is stated twice with other numbers.
+    """
+    if not path.is_file() or not is_text(path):
+        return {}
+    with path.open(encoding=find_encoding(path), errors="replace") as stream:
+        lines = list(islice(stream, FIRST_LINES))
+    try:
+        layout = find_layout(lines)
+    except csv.Error:
+        return {}
+    return _find_facts(lines[: layout.rows_line]) if layout is not None else {}
+
+
+def _find_facts(lines: Iterable[str]) -> dict[str, HeadFact]:
+    found: dict[str, set[HeadFact]] = {}
+    for line in lines:
+        for name, pattern in _FACT.items():
+            for match in pattern.finditer(line):
+                value = _read_value(name, *match.groups(""))
+                if value is not None and value > 0.0:
+                    found.setdefault(name, set()).add(HeadFact(value, match.group().strip(' "\r\n')))
+    facts = {name: next(iter(said)) for name, said in found.items() if len({one.value for one in said}) == 1}
+    step = facts.pop("step", None)
+    return {"rate": HeadFact(1.0 / step.value, step.said), **facts} if step is not None else facts
+
+
+def _read_value(name: str, unit: str, number: str, over: str, behind: str) -> float | None:
+    """The value of a fact in SI; None where its unit is not known, or it is no number of such a kind."""
+    value = float(number.replace(",", "."))
+    unit = (unit or behind).strip()
+    if name in ("rate", "step"):
+        factor = (_RATES if name == "rate" else _STEPS).get(unit.lower())
+        return None if factor is None else value * factor
+    if name == "RATIO":
+        second = float(over.replace(",", ".")) if over else 1.0
+        return max(value / second, second / value) if second and value else None
+    if name in ("RATED", "KT"):
+        known = UNITS.get(read_unit(unit.split("/")[0])) if unit else None
+        return value * known.factor if known is not None else (None if unit else value)
+    return value if value == round(value) else None
+
+
+def say_head_facts(path: Path, text: str, column: str = "") -> str:
+    """A message with what of the things that it asks for stands in the file; as it is where none does.
+
+    Args:
+        path: Of the file.
+        text: Of the message, with `RATED`, `COUNTS_A_TURN` and the like.
+        column: Name of the column, which may state its counts a turn itself.
+    """
+    facts = read_head_facts(path) | _find_counts(column)
+    if "gear" in text and "RATIO" in facts and "RATIO" not in text:
+        text = text.replace("gear ratio", "gear ratio RATIO", 1)
+    known = [f"{name} is {one.value:.6g} by {one.said!r}" for name, one in facts.items() if name in text]
+    return f"{text}; in this file {', '.join(known)}" if known else text
+
+
+def fill_head_facts(path: Path, line: str, column: str) -> str:
+    """A line of a proposed mapping with numbers that stand in the file, and a remark on where they do."""
+    facts = read_head_facts(path) | _find_counts(column)
+    rated, counts = facts.get("RATED"), facts.get("COUNTS_A_TURN")
+    share = re.search(r"RATED/(\d+)", line)
+    if rated is not None and share:
+        filled = line.replace(share.group(), f"{rated.value / float(share.group(1)):.8g}")
+        return f"{filled}  # by {rated.said!r}; times the gear ratio where the position is behind a gear"
+    if counts is not None and "VALUE_OF_ONE" in line and line.lstrip().startswith(("position", "channels.position")):
+        filled = line.replace("VALUE_OF_ONE", f"{6.283185307179586 / counts.value:.9g}")
+        return f"{filled}  # by {counts.said!r}; over the gear ratio where it is a motor's"
+    return line
+
+
+def _find_counts(column: str) -> dict[str, HeadFact]:
+    match = _BEFORE.search(column)
+    return {"COUNTS_A_TURN": HeadFact(float(match.group(1)), match.group())} if match else {}
