@@ -114,10 +114,16 @@ def test_friction_may_differ_either_way_between_driving_and_braking(context: Con
     assert EFFECTS["load_quadratic"].refuse(values, [context]) is None
 
 
-@pytest.mark.parametrize("split", [0.0, 1.0, 2.0])
-def test_friction_of_driving_or_braking_is_the_same_in_the_file(split: float, context: Context) -> None:
-    values = {"coefficient": 0.02, "split": split, "inertia_share": 0.0}
-    effect = EFFECTS["load_quadratic"]
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        *(("load_quadratic", {"split": split}) for split in (0.0, 1.0, 2.0)),
+        *(("load_stribeck", {"stribeck_exponent": exponent}) for exponent in (2.0, 1.2)),
+    ],
+)
+def test_friction_under_load_is_the_same_in_the_file(name: str, form: dict[str, float], context: Context) -> None:
+    values = {"coefficient": 0.02, "inertia_share": 0.0, **form}
+    effect = EFFECTS[name]
     law = FrictionLaw(effect.build_terms(values, context.plant, [context]))
     own = np.sign(context.velocity) * effect.compute_contribution(context, values).level
     moving = context.velocity != 0.0

@@ -17,7 +17,7 @@ _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.3, 2.9, 0.04, 1.2
 _MEMORYLESS: dict[str, list[dict[str, float]]] = {
     "load_coulomb": [{"inertia_share": 0.6}],
     "load_quadratic": [{"split": split, "inertia_share": 0.6} for split in (0.0, 1.0, 2.0)],
-    "load_stribeck": [{"inertia_share": 0.6}],
+    "load_stribeck": [{"stribeck_exponent": 2.0, "inertia_share": 0.6}],
     "position_coulomb": [{"order": 3.0, "cosine": 0.0}],
     "cogging": [{"order": 7.0, "cosine": 0.0}],
     "torque_ripple": [{"order": 7.0, "cosine": 0.0}],

@@ -18,11 +18,11 @@ from .load_share import SHARE, compute_felt_load, propose_shares
 
 @register
 class LoadStribeck(Effect):
-    """c_ls |tau_l| exp(-(|v|/v_s)^2) sgn(v) [duclusaud2025bam]."""
+    """c_ls |tau_l| exp(-(|v|/v_s)^delta) sgn(v), delta about 2 [duclusaud2025bam]."""
 
     name = "load_stribeck"
     kind = "physics"
-    equation = "tau_f = c_ls |tau_l| exp(-(|v|/v_s)^2) sgn(v)"
+    equation = "tau_f = c_ls |tau_l| exp(-(|v|/v_s)^delta) sgn(v)"
     citation = "duclusaud2025bam"
     shown_at_rest = True
     like_a_bristle = True
@@ -31,17 +31,23 @@ class LoadStribeck(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # Twice the load is more friction than a self-locking gear has; a little below zero shows that there is none.
-        return (EffectParameter("coefficient", "{torque}/{torque}", EFFECT.small_step, -0.2, 2.0, form=0.15), SHARE)
+        return (
+            EffectParameter("coefficient", "{torque}/{torque}", EFFECT.small_step, -0.2, 2.0, form=0.15),
+            EffectParameter("stribeck_exponent", "1", 0.2, 0.5, 4.0, linear=False, prior=0.5, form=0.1),
+            SHARE,
+        )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return propose_shares(contexts)
+        return [{"stribeck_exponent": 2.0, **share} for share in propose_shares(contexts)]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        falling = np.exp(-((context.velocity / context.stribeck_velocity) ** 2))
+        speed = np.abs(context.velocity) / context.stribeck_velocity
+        falling = np.exp(-(speed ** values["stribeck_exponent"]))
         return Contribution(level=values["coefficient"] * np.abs(compute_felt_load(context, values)) * falling)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "static friction would fall with load" if values["coefficient"] <= 0.0 else None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        return LoadStribeckTerm(values["coefficient"], 0.5 * (plant.forward[2] + plant.reverse[2]))
+        speed = 0.5 * (plant.forward[2] + plant.reverse[2])
+        return LoadStribeckTerm(values["coefficient"], speed, values["stribeck_exponent"])
