@@ -88,6 +88,7 @@ def read_number_rows(
                 read_options=csv.ReadOptions(column_names=list(names)),
                 parse_options=parsing,
                 convert_options=options,
+                memory_pool=pyarrow.system_memory_pool(),
             )
     except (pyarrow.ArrowException, OSError):
         return None

@@ -241,7 +241,7 @@ def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
 
 def _find_standing_time(time: Samples) -> tuple[Finding, ...]:
     """Find a time that rises by less than any clock counts, as one in another unit does."""
-    period = float(np.median(np.diff(time))) if time.size > 1 else np.inf
+    period = float(np.median(np.diff(time), overwrite_input=True)) if time.size > 1 else np.inf
     if period >= _SHORTEST_PERIOD:
         return ()
     message = f"time goes on by {period:.3g} s from row to row"

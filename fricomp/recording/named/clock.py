@@ -208,7 +208,7 @@ def _guess_unit(stamps: Samples) -> str:
 def _measure_step(stamps: Samples) -> float:
     """Usual step of stamps that differ, or the mean of all where a coarse clock holds many."""
     steps = np.abs(np.diff(stamps))
-    usual = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
+    usual = float(np.median(steps[steps > 0.0], overwrite_input=True)) if steps.any() else 0.0
     return float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
 
 
