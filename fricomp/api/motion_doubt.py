@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from fricomp.calibration.identification import Status
+from fricomp.calibration.identification.doubt import doubted
 from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_motion_filter
 from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
 from fricomp.calibration.motion.missed_torque import (
@@ -20,7 +23,9 @@ from fricomp.calibration.motion.missed_torque import (
 )
 from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.motion.unexplained import doubt_for_unexplained, tell_unexplained
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.evaluation import find_friction_change
+from fricomp.recording import Finding
 
 
 def fit_gravity_where_it_shows(
@@ -69,6 +74,21 @@ def doubt_for_all(
     if cutoff is not None:
         motion = doubt_for_filter(motion, cutoff)
     return doubt_for_unexplained(motion, samples.recorded)
+
+
+def doubt_for_degrees(motion: MotionIdentification, findings: Sequence[Finding]) -> MotionIdentification:
+    """The motion with degrees as the reason of its doubt, where they seem to be: they look like other things too.
+
+    Args:
+        motion: As identified, in doubt for all else.
+        findings: Of the checks of its recording.
+    """
+    likely = next((one for one in findings if one.code == "degrees_likely"), None)
+    if likely is None or find_doubt_in_status(motion.friction.status, "") is None:
+        return motion
+    return replace(
+        motion, friction=doubted(motion.friction, Status.NOT_IDENTIFIABLE, f"{likely.message}; {likely.advice}")
+    )
 
 
 def tell_what_else_acts(motion: MotionIdentification, samples: JointSamples) -> list[str]:

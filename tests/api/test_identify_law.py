@@ -151,3 +151,13 @@ def test_a_bend_that_no_speed_shows_is_told(static: float, velocity: float, why:
     said = motion_law._describe_unseen_bend(cast(MotionIdentification, found))
     assert said.startswith(why)
     assert bool(said) is bool(why)
+
+
+def test_degrees_are_named_ahead_of_what_they_look_like() -> None:
+    """Gravity over positions of many turns bends the torque as a spring would."""
+    log = joint_log(20.0, 250.0, 4)
+    angle, speed = 60.0 * np.asarray(log.position), 60.0 * np.asarray(log.velocity)
+    bent = np.asarray(log.torque) + 2.0 * np.sin(np.asarray(log.position))
+    found = fricomp.identify(Recording(np.asarray(log.time), angle, bent, velocity=speed, metadata=log.metadata))
+    assert not found.is_usable
+    assert "it seems to be in degrees (factor 57.3); multiply by π/180" in found.result.message
