@@ -5,12 +5,16 @@ from __future__ import annotations
 __all__ = ["CountUnwrapper", "wrap_count"]
 
 WHOLE, HALF = 1 << 32, 1 << 31
+NEAR = 1 << 29
+"""Counts by which no joint moves between two states: 128 turns a state with 22 bits a turn."""
 
 
 class CountUnwrapper:
     """Counts on where a counter of 32 bits begins again at its other end.
 
-    Between two counts no joint moves by half of the range, so that a larger step is the end of it.
+    A count far from the one before, whichever way round, is none of this joint's motion: it is told as it is, nearest
+    to where the joint was, and the next one is compared with that before it. Two damaged ones on both sides of the end
+    would else pass for its end, and leave every later position off by the whole range.
     """
 
     def __init__(self) -> None:
@@ -20,13 +24,25 @@ class CountUnwrapper:
         """The next count stands for itself: the counter has started anew."""
         self._last: int | None = None
         self._offset = 0
+        self._is_followed = False
 
     def unwrap(self, count: int) -> int:
         """The count, as if the counter had no end."""
-        last, self._last = self._last, count
-        if last is not None and not -HALF <= count - last < HALF:
-            self._offset += WHOLE if count < last else -WHOLE
-        return count + self._offset
+        last, offset = self._last, self._offset
+        if last is None:
+            self._last = count
+            return count
+        step = count - last
+        if not -NEAR <= step <= NEAR:
+            nearest = wrap_count(step)
+            offset += nearest - step
+            if not -NEAR <= nearest <= NEAR:
+                if not self._is_followed:  # the first one was damaged, or this one is: either stands for itself
+                    self._last = count
+                    return count
+                return count + offset
+        self._last, self._offset, self._is_followed = count, offset, True
+        return count + offset
 
 
 def wrap_count(count: int) -> int:

@@ -6,7 +6,7 @@ from math import tau
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fricomp.adapters.wrapping import CountUnwrapper, wrap_count
@@ -20,7 +20,10 @@ END = 1 << 31
 COUNTS_A_TURN = {"canopen": 2**18, "dynamixel": 4096}  # of the twins
 
 
-@given(st.integers(-(2**40), 2**40), st.lists(st.integers(-(END - 1), END - 1), max_size=20))
+FAR = 1 << 29  # no joint moves by so much between two states
+
+
+@given(st.integers(-(2**40), 2**40), st.lists(st.integers(-FAR, FAR), max_size=20))
 def test_a_position_goes_on_over_both_ends(start: int, steps: list[int]) -> None:
     turns, at = CountUnwrapper(), start
     first = turns.unwrap(wrap_count(at))
@@ -28,6 +31,24 @@ def test_a_position_goes_on_over_both_ends(start: int, steps: list[int]) -> None
     for step in steps:
         at += step
         assert turns.unwrap(wrap_count(at)) - first == at - start
+
+
+@given(st.integers(-(2**31), 2**31 - 1), st.lists(st.integers(-(2**31), 2**31 - 1), max_size=6))
+@example(100, [1_200_000_000, -1_200_000_000])
+def test_damaged_positions_leave_none_behind_them(at: int, damaged: list[int]) -> None:
+    turns = CountUnwrapper()
+    assert [turns.unwrap(at), turns.unwrap(at)] == [at, at]
+    for count in damaged:
+        if abs(wrap_count(count - at)) > FAR:  # a nearer one is a motion, which goes on from there
+            turns.unwrap(count)
+    assert turns.unwrap(at) == at
+
+
+def test_a_first_position_that_is_damaged_leaves_none_behind_it() -> None:
+    turns = CountUnwrapper()
+    turns.unwrap(-2_000_000_000)
+    assert turns.unwrap(1_500_000_000) == 1_500_000_000
+    assert turns.unwrap(1_500_000_001) == 1_500_000_001
 
 
 def bench_at_the_end(protocol: str, monkeypatch: pytest.MonkeyPatch) -> AdapterBench:
