@@ -109,4 +109,13 @@ def _say_what_to_do(record: DiagnosisRecord) -> str:
             "look at the joint there, and compensate with none of this: on data left out the model with what is named "
             "is no better than that without."
         )
+    names = {effect.name for effect in record.effects}
+    if names == {"external_disturbance"}:
+        return (
+            "find what acts on the joint at these times, or leave them out (--from, --to): it is no part of the joint."
+        )
+    if names and record.errors is not None and names <= set(record.errors.missing):
+        return (
+            "put the equation into the simulation; friction.json has no term for it, and holds the rest of the joint."
+        )
     return _TO_DO[record.verdict]

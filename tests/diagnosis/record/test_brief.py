@@ -85,6 +85,22 @@ def test_nobody_is_told_to_compensate_with_a_model_that_is_worse_on_data_left_ou
     assert ("compensate with friction.json" in to_do) == advised
 
 
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("external_disturbance", "find what acts on the joint at these times"),
+        ("joint_elasticity", "friction.json has no term for it"),
+    ],
+)
+def test_nobody_is_told_to_compensate_with_a_model_that_has_nothing_of_what_was_found(name: str, told: str) -> None:
+    error = ModelErrors(torque=TorqueError(2.0, (1.9, 2.1), 1.8, 5.0, "N·m", 17.0, 30.0))
+    found = NamedEffect(name=name, kind="physics", parameters={}, sentence="it acts")
+    errors = FileErrors(before=error, after=None, file=error, folds=4, missing=(name,))
+    to_do = next(line for line in _record(found, errors=errors).summary if line.startswith("To do: "))
+    assert told in to_do
+    assert "compensate" not in to_do
+
+
 def test_what_needs_care_and_what_was_doubted_is_told_and_other_remarks_are_not() -> None:
     notes = Notes(
         facts=("backlash is not named: its interval holds zero.", "cogging is not named: it may be another."),
