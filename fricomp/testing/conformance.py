@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import pytest
 
+import fricomp.testing.asserts  # noqa: F401
 from fricomp.testing.conformance_cycle import CycleConformance
 from fricomp.testing.conformance_exchange import ExchangeConformance
 from fricomp.testing.conformance_holding import HoldingConformance

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 from dataclasses import replace
 from math import inf, nan, pi
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -703,3 +706,17 @@ def test_nothing_works_before_its_turn() -> None:
     adapter.configure("torque", PERIOD)
     with pytest.raises(AdapterError, match="not enabled"):
         adapter.write(command())
+
+
+def test_asserts_of_the_suite_print_values_in_tests_of_others(tmp_path: Path) -> None:
+    (tmp_path / "test_mine.py").write_text(
+        "from fricomp.testing.conformance import AdapterConformance\n"
+        "def test_it():\n"
+        "    from fricomp.testing import conformance_stopping as part\n"
+        "    assert type(part.__loader__).__name__ == 'AssertionRewritingHook'\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_mine.py"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
