@@ -188,8 +188,11 @@ def _add_ringing(context: Context, t: Transmission, carried: FloatArray) -> Floa
     slides = np.abs(context.velocity[:n]) > context.stribeck_velocity[:n]
     columns = np.stack([swing.real, swing.imag], axis=1)[slides]
     left = (context.recorded - context.torque - carried)[:n][slides]
-    # Ridge regression: each coefficient is a standard normal number beforehand.
-    noise = max(float(np.mean(left**2)), np.finfo(np.float64).tiny) if left.size else 1.0
+    if left.size <= columns.shape[1]:
+        return carried
+    # Ridge regression: each coefficient is a standard normal number beforehand, beside the noise that both leave.
+    plain = left - columns @ np.linalg.lstsq(columns, left, rcond=None)[0]
+    noise = max(float(np.mean(plain**2)), np.finfo(np.float64).tiny)
     along = np.linalg.solve(columns.T @ columns + noise * np.eye(2), columns.T @ left)
     carried[:n] += along[0] * swing.real + along[1] * swing.imag
     return carried
