@@ -14,6 +14,8 @@ from fricomp.recording.sources.text_layout import TextLayout
 
 _ENCODER = "# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"
 
+_SCALE = 'in place of it, with torque_unit = "N·m": N·m at the joint of one {unit}, torque constant times gear ratio'
+
 
 def render_mapping(path: Path, log: NamedLog) -> str:
     """A mapping with which `fricomp convert` makes the same recordings of the same file.
@@ -41,6 +43,10 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         lines += [] if len(joints) == 1 else ["", "[[joints]]", f"name = {_quote(name)}"]
         own = ((channel, *source) for channel, source in columns.items() if channel != "time")
         lines += [table + _rule(channel, column, one.unit, layout) for channel, column, one in own]
+        if metadata.torque_unit == "A" and "torque" in columns:
+            column, meaning = columns["torque"]
+            rule = f"torque = {{ column = {render_column(column, layout)}, scale = 0.1 }}"
+            lines.append(f"# {table}{rule}   # {_SCALE.format(unit=meaning.unit or 'A')}")
     return "\n".join(lines) + "\n"
 
 

@@ -114,6 +114,24 @@ def test_the_mapping_that_is_shown_reads_the_same(write: Callable[[Path], Path],
     assert found.recording.metadata.motion == seen.log.recordings[0].metadata.motion
 
 
+@pytest.mark.parametrize("unit", ["A", "mA"])
+def test_the_mapping_of_a_current_shows_the_line_that_makes_a_torque_of_it(unit: str, tmp_path: Path) -> None:
+    time = np.arange(4000) * 5e-3
+    position, current = np.sin(1.3 * time), 40.0 * np.cos(1.3 * time)
+    rows = (f"{t:.3f},{q:.6f},{i:.5f}" for t, q, i in zip(time, position, current, strict=True))
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join([f"time_s,position_rad,current_{unit}", *rows]))
+    shown = render_mapping(path, read_named_log(path)).splitlines()
+    (line,) = (one for one in shown if one.startswith("# torque ="))
+    text = "\n".join(one for one in shown if not one.startswith("torque ="))
+    text = text.replace(line, line.removeprefix("# ")).replace('torque_unit = "A"', 'torque_unit = "N·m"')
+    mapping = tmp_path / "mapping.toml"
+    mapping.write_text(text.replace("scale = 0.1", "scale = 0.25"), encoding="utf-8")
+    (found,) = convert(path, load_mapping(mapping))
+    assert found.recording.metadata.torque_unit == "N·m"
+    np.testing.assert_allclose(found.recording.torque, 0.25 * current, atol=1e-4)
+
+
 def test_two_joints_are_a_mapping_of_two_joints(tmp_path: Path) -> None:
     columns = {"time": TIME, "q_1": POSITION, "tau_1": TORQUE, "q_2": -POSITION, "tau_2": -TORQUE}
     path = write_text(tmp_path / "log.csv", columns)
