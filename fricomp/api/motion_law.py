@@ -62,7 +62,7 @@ def identify_with_law(
             name = next(law for law, fit in fits.items() if fit is plainer)
             why = unseen or found.friction.message.split(";", 1)[0].split(":", 1)[0]
             return plainer, [f"Law: {name}, which leaves no more of the torque than {USUAL_LAW}, of which {why}."]
-    if plain is not None and find_doubt_in_status(found.friction.status, "") is not None and _is_close(plain):
+    if plain is not None and find_doubt_in_status(found.friction.status, "") is not None and _is_close(plain, found):
         slowest = float(np.min(np.abs(plain.points[:, 0])))
         note = f"Law: {_PLAIN_LAW}, which is close above a speed of {slowest:.3g}; friction bends below, by how much "
         return plain, [f"{note}is not seen: record more time at low speed where it matters there."]
@@ -87,9 +87,10 @@ def _describe_unseen_bend(found: MotionIdentification) -> str:
     return ""
 
 
-def _is_close(plain: MotionIdentification) -> bool:
-    """Whether what a law leaves is little beside the friction."""
-    return plain.friction.noise.level < _LITTLE * float(np.mean(np.abs(plain.points[:, 1])))
+def _is_close(plain: MotionIdentification, found: MotionIdentification) -> bool:
+    """Whether what a law leaves beyond the noise, which the usual one leaves as well, is little beside the friction."""
+    left = math.sqrt(max(plain.friction.noise.level**2 - found.friction.noise.level**2, 0.0))
+    return left < _LITTLE * float(np.mean(np.abs(plain.points[:, 1])))
 
 
 def _fit_usable(

@@ -110,7 +110,7 @@ def test_a_motion_in_one_direction_gives_the_sum_of_friction_and_offset() -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("little", "usable"), [(0.02, True), (1e-6, False)])
+@pytest.mark.parametrize(("little", "usable"), [(0.02, True), (0.0, False)])
 def test_a_plain_law_that_leaves_little_is_taken_where_no_other_is_determined(
     little: float, usable: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -119,6 +119,19 @@ def test_a_plain_law_that_leaves_little_is_taken_where_no_other_is_determined(
     found = fricomp.identify(joint_log(14.0, 160.0, 5))
     assert found.is_usable is usable
     assert any(note.startswith("Law: coulomb_viscous, which is close above") for note in found.notes) is usable
+
+
+@pytest.mark.parametrize(
+    ("plain", "usual", "close"), [(0.026, 0.0225, True), (0.026, 0.003, False), (0.02, 0.03, True)]
+)
+def test_what_a_plain_law_leaves_is_counted_beyond_the_noise(plain: float, usual: float, close: bool) -> None:
+    """A healthy joint with noise of 2 % of its friction ended as not usable, for a bend below its slowest speed."""
+    points = np.array([[0.2, 1.0], [1.0, 1.2], [-0.2, -0.9], [-1.0, -0.9]])
+    fits = [
+        SimpleNamespace(friction=SimpleNamespace(noise=SimpleNamespace(level=one)), points=points)
+        for one in (plain, usual)
+    ]
+    assert motion_law._is_close(*fits) is close  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
