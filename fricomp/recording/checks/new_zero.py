@@ -8,6 +8,8 @@ from fricomp.recording.recording import Recording
 
 _JUMP = 30.0
 """Step over those of fast motion, above which no motion makes it."""
+_NOTED = 10.0
+"""Step over those of fast motion above which it must be such a jump too: a stretch of zeros has one at either end."""
 _LEAST_JUMP = 0.01
 """Part of the travel below which a jump does no harm."""
 _MOST = 3
@@ -34,8 +36,9 @@ def find_new_zeros(recording: Recording) -> NDArray[np.intp]:
     if not size.any():
         return nothing
     fast = float(np.percentile(size[size > 0.0], 90))
-    rows = np.flatnonzero(size > np.maximum(_JUMP * fast, _LEAST_JUMP * np.ptp(recording.position)))
-    if not 0 < rows.size <= _MOST:
+    least = _LEAST_JUMP * float(np.ptp(recording.position))
+    rows = np.flatnonzero(size > max(_JUMP * fast, least))
+    if not 0 < rows.size <= _MOST or rows.size < np.count_nonzero(size > max(_NOTED * fast, least)):
         return nothing
     ends = recording.time[np.concatenate([[0], rows, rows + 1, [-1]])]
     lengths = np.sort(ends)[1::2] - np.sort(ends)[::2]

@@ -5,6 +5,8 @@ import pytest
 
 from fricomp.recording import Recording, check_recording
 from fricomp.recording.parts.parts import find_usable_parts
+from fricomp.sim_bench.studies.logs.flaws import put_into
+from fricomp.sim_bench.studies.logs.good_log import joint_log as good_log
 
 from ..joint_log import joint_log
 
@@ -35,3 +37,9 @@ def test_a_joint_that_has_moved_meanwhile_has_its_old_zero() -> None:
     lost = log.rows(np.r_[0:2400, far : len(log)])
     squeezed = lost.with_channels(time=np.arange(len(lost)) / 400.0)
     assert not any("set anew" in sentence for sentence in find_usable_parts(squeezed).sentences)
+
+
+def test_a_stretch_of_zeros_of_which_one_end_is_a_smaller_jump_is_no_new_zero() -> None:
+    """Rows that are held for four readings make fast motion of four steps, and hide the smaller end among them."""
+    log = put_into(good_log(24.0, 400.0, 22), ("torn", "held"), 22)
+    assert not any("set anew" in sentence for sentence in find_usable_parts(log).sentences)
