@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from fricomp.laws.stribeck import compute_falling_share
 from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative, require_positive
 
 
@@ -38,5 +39,5 @@ class LoadStribeck(Term):
 
     def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        falling = np.exp(-((point.speed / self.stribeck_velocity) ** self.stribeck_exponent))
+        falling = compute_falling_share(point.speed, self.stribeck_velocity, self.stribeck_exponent)
         return Parts(dry=self.coefficient * np.abs(point.load_torque) * falling)

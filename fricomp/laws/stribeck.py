@@ -68,7 +68,7 @@ class StribeckCurve:
         return np.asarray(self.dry_level(speed) + self.viscous_coefficient * speed)
 
 
-def compute_falling_share(speed: Any, stribeck_velocity: float, exponent: float) -> Any:
+def compute_falling_share(speed: Any, stribeck_velocity: Any, exponent: float) -> Any:
     """Share of F_s - F_c [1] that is left at `speed` >= 0 [rad/s] or [m/s]."""
     return np.exp(-((speed / stribeck_velocity) ** exponent))
 

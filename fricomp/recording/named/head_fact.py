@@ -7,6 +7,7 @@ that is said beside what is asked for, and not done.
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Iterable
 from itertools import islice
@@ -126,7 +127,7 @@ def fill_head_facts(path: Path, line: str, column: str) -> str:
         filled = line.replace(share.group(), f"{rated.value / float(share.group(1)):.8g}")
         return f"{filled}  # by {rated.said!r}; times the gear ratio where the position is behind a gear"
     if counts is not None and "VALUE_OF_ONE" in line and line.lstrip().startswith(("position", "channels.position")):
-        filled = line.replace("VALUE_OF_ONE", f"{6.283185307179586 / counts.value:.9g}")
+        filled = line.replace("VALUE_OF_ONE", f"{math.tau / counts.value:.9g}")
         return f"{filled}  # by {counts.said!r}; over the gear ratio where it is a motor's"
     return line
 

@@ -16,8 +16,8 @@ from ..identity import BRAKING, DRIVING
 from ..settings import EFFECT
 from .load_share import SHARE, compute_felt_load, propose_shares
 
-_SQUARE, _DRIVING, _BRAKING = 0.0, float(DRIVING), float(BRAKING)
-"""The forms, as values of `split`."""
+_SQUARE = 0
+"""The form beside `DRIVING` and `BRAKING`, as a value of `split`."""
 
 
 @register
@@ -30,59 +30,54 @@ class LoadQuadratic(Effect):
     citation = "duclusaud2025bam"
     says = "friction curves with the load, or differs between driving and braking"
     follows_load = True
-    gain_share = 0.998  # One of its two forms is nearly that of `load_coulomb`.
+    gain_share = 0.998  # Two of its forms are nearly that of `load_coulomb`.
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0
         return (
             EffectParameter("coefficient", "1/{torque}", EFFECT.small_step / largest, -1.0, 1.0),
-            EffectParameter("split", "1", 0.0, _SQUARE, _BRAKING, linear=False),
+            EffectParameter("split", "1", 0.0, _SQUARE, BRAKING, linear=False),
             SHARE,
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"split": form, **share} for form in (_SQUARE, _DRIVING) for share in propose_shares(contexts)]
+        return [{"split": float(form), **share} for form in (_SQUARE, DRIVING) for share in propose_shares(contexts)]
 
     def propose_other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # Beside a base that is free, what brakes is what drives the other way round and another gravity and inertia.
         share = propose_shares(contexts)[0]
-        return [{"split": form, **share} for form in (_BRAKING, _DRIVING, _SQUARE)]
+        return [{"split": float(form), **share} for form in (BRAKING, DRIVING, _SQUARE)]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         load = compute_felt_load(context, values)
-        form = _choose(values)
+        form = round(values["split"])
         if form == _SQUARE:
             return Contribution(level=values["coefficient"] * load**2)
-        acts = load * context.velocity > 0.0 if form == _DRIVING else load * context.velocity < 0.0
+        acts = load * context.velocity > 0.0 if form == DRIVING else load * context.velocity < 0.0
         return Contribution(level=values["coefficient"] * context.usual_load * np.abs(load) * acts)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         # Between driving and braking friction may differ either way.
-        falls = _choose(values) == _SQUARE and values["coefficient"] <= 0.0
+        falls = round(values["split"]) == _SQUARE and values["coefficient"] <= 0.0
         return "friction would fall with load" if falls else None
 
     def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm:
-        share, form = {"inertia_share": (1.0, "1")}, _choose(values)
+        share, form = {"inertia_share": (1.0, "1")}, round(values["split"])
         if form == _SQUARE:
             numbers = {"coefficient": (1.0, "1/{torque}"), **share}
             return PrintedForm("friction grows with the square of the load", "tau_f = c_q tau_l^2 sgn(v)", numbers)
         numbers = {"coefficient": (contexts[0].usual_load, "{torque}/{torque}"), **share}
         says = "friction under load differs between driving and braking"
-        acts = "c_d |tau_l| [tau_l v > 0]" if form == _DRIVING else "c_b |tau_l| [tau_l v < 0]"
+        acts = "c_d |tau_l| [tau_l v > 0]" if form == DRIVING else "c_b |tau_l| [tau_l v < 0]"
         return PrintedForm(says, f"tau_f = {acts} sgn(v)", numbers)
 
     def build_terms(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> tuple[Term, ...]:
-        if _choose(values) == _SQUARE:
+        if round(values["split"]) == _SQUARE:
             return (LoadQuadraticTerm(values["coefficient"]),)
         coefficient = values["coefficient"] * contexts[0].usual_load
-        if _choose(values) == _DRIVING:
+        if round(values["split"]) == DRIVING:
             return (LoadDriving(coefficient),)
         return (LoadCoulomb(coefficient), LoadDriving(-coefficient))
 
     def is_in_law(self, law: FrictionLaw) -> bool:
         return any(term.name in (self.name, LoadDriving.name) for term in law.terms)
-
-
-def _choose(values: Values) -> float:
-    """The form that a value of `split` stands for."""
-    return min((_SQUARE, _DRIVING, _BRAKING), key=lambda form: abs(values["split"] - form))

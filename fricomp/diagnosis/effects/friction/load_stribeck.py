@@ -8,6 +8,7 @@ import numpy as np
 
 from fricomp.laws import LoadStribeck as LoadStribeckTerm
 from fricomp.laws import Term
+from fricomp.laws.stribeck import compute_falling_share
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
@@ -41,8 +42,8 @@ class LoadStribeck(Effect):
         return [{"stribeck_exponent": 2.0, **share} for share in propose_shares(contexts)]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        speed = np.abs(context.velocity) / context.stribeck_velocity
-        falling = np.exp(-(speed ** values["stribeck_exponent"]))
+        speed = np.abs(context.velocity)
+        falling = compute_falling_share(speed, context.stribeck_velocity, values["stribeck_exponent"])
         return Contribution(level=values["coefficient"] * np.abs(compute_felt_load(context, values)) * falling)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
