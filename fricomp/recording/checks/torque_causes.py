@@ -286,8 +286,9 @@ def find_unsigned_torque(recording: Recording) -> tuple[Finding, ...]:
 def find_register(recording: Recording) -> Register | None:
     """The register of a signed torque that was read as an unsigned number; None where it was not.
 
-    Its values lie next to zero and next to the range of the register, and nowhere between. Where the range is no power
-    of two of the torque's steps, a torque in pulses looks alike: then only the motion tells.
+    Its values lie next to zero and next to the range of the register, nowhere between, and never further apart than the
+    range: kicks of a controller do. Where the range is no power of two of the torque's steps, a torque in pulses looks
+    alike: then only the motion tells.
     """
     torque = np.asarray(recording.torque)
     torque = -torque if torque.max() < -torque.min() else torque
@@ -301,11 +302,15 @@ def find_register(recording: Recording) -> Register | None:
     quantum = measure_quantum(torque[low]) if np.count_nonzero(low) > 1 else 0.0
     if between > _BETWEEN:
         return None
+    sign = 1.0 if recording.torque.max() >= -recording.torque.min() else -1.0
+    as_it_is = fit_joint(recording)
     bits = round(np.log2(span / quantum)) if quantum > 0.0 else 0
     if bits in _BITS and abs(span / (quantum * 2.0**bits) - 1.0) < _WHOLE_RANGE:
-        return Register(bits, quantum * 2.0**bits, sure=True)
-    sign = 1.0 if recording.torque.max() >= -recording.torque.min() else -1.0
-    as_it_is, as_signed = fit_joint(recording), fit_joint(recording, sign * read_signed(torque, span))
+        span = quantum * 2.0**bits
+        as_signed = fit_joint(recording, sign * read_signed(torque, span))
+        plain = as_it_is and as_signed and as_it_is.can_be and as_it_is.residual < as_signed.residual
+        return None if plain or float(np.ptp(torque)) > span else Register(bits, span, sure=True)
+    as_signed = fit_joint(recording, sign * read_signed(torque, span))
     if as_it_is is None or as_signed is None or as_it_is.can_be or not as_signed.can_be:
         return None
     return Register(_USUAL_BITS, span, sure=False)

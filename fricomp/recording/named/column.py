@@ -218,7 +218,11 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
     """The word that is a quantity, the last of several, and which; None where there is none."""
     if "/" in name and words and words[0][0] in _CLOCKS:
         return None
-    spoken = [word for word, (start, _) in words if not word.isdigit() and "[" not in name[:start]]
+    spoken = [
+        word
+        for word, (start, _) in words
+        if not word.isdigit() and name[:start].count("[") <= name.count("]", 0, start)
+    ]
     if spoken and spoken[-1] in _TIMES:
         return None
     if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fricomp.recording import Recording, check_recording
+from fricomp.recording.checks.torque_causes import find_unsigned_torque
 from fricomp.recording.finding import Finding
 
 from ..joint_log import joint_log
@@ -30,6 +31,18 @@ def test_a_signed_number_that_was_read_as_unsigned_is_no_turned_sign(bits: int, 
     found = _energy(log.with_channels(torque=unsigned))
     assert found.code == "unsigned_torque"
     assert f"signed_bits = {bits}" in found.advice
+
+
+@pytest.mark.parametrize(("bits", "count", "rate"), [(12, 2e-3, 400.0), (8, 0.05, 1000.0), (14, 1e-3, 250.0)])
+def test_a_kick_of_a_controller_as_large_as_a_register_is_no_unsigned_number(
+    bits: int, count: float, rate: float
+) -> None:
+    log = joint_log(20.0, rate, bits)
+    torque = np.round(log.torque / count) * count
+    start = int(0.4 * torque.size)
+    torque[start : start + int(0.02 * rate)] += 2**bits * count
+    assert not find_unsigned_torque(log.with_channels(torque=torque))
+    assert not find_unsigned_torque(log.with_channels(torque=-torque))
 
 
 @pytest.mark.parametrize("delay", [6e-3, 14e-3])

@@ -81,6 +81,12 @@ def write_scope_with_units(folder: Path) -> Path:
     return write(folder / "scope.csv", above + fill("{ms:.3f}\t{q:.9f}\t{ms:.3f}\t{u:.9f}"))
 
 
+def write_scope_of_named_units(folder: Path) -> Path:
+    names = "Name\tAxis.ActPos (deg)\tName\tAxis.ActTorque [Nm]\tName\tAxis.SetPos [deg]"
+    above = [names, "SampleTime[ms]\t5\tSampleTime[ms]\t5\tSampleTime[ms]\t5", ""]
+    return write(folder / "scope.csv", above + fill("{ms:.3f}\t{q:.9f}\t{ms:.3f}\t{u:.9f}\t{ms:.3f}\t{q:.9f}"))
+
+
 def write_cyrillic(folder: Path) -> Path:
     above = ["Время, мс;Угол, град;Момент, Н·м"]
     rows = [row.replace(".", ",") for row in fill("{ms:.3f};{q:.9f};{u:.9f}")]
@@ -163,7 +169,14 @@ def write_control_desk(folder: Path) -> Path:
 
 FORMS: list[Write] = [
     *(write_duration_of_controllers, write_duration_of_matlab, write_units_in_cells, write_minutes, write_three_lines),
-    *(write_number_name_remark_unit, write_data_inspector, write_scope_with_units, write_cyrillic, write_chinese),
+    *(
+        write_number_name_remark_unit,
+        write_data_inspector,
+        write_scope_with_units,
+        write_scope_of_named_units,
+        write_cyrillic,
+        write_chinese,
+    ),
     *(write_traditional, write_korean, write_symbols, write_index, write_serial_monitor, write_messages, write_metrics),
     *(write_registers, write_odrive, write_odrive_alone, write_control_desk),
 ]
