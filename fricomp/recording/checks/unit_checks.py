@@ -323,7 +323,9 @@ def _friction_in_quarters(recording: Recording) -> Samples | None:
 
 
 class _Blocks(NamedTuple):
-    """Means over blocks of rows, the velocity between them, and which of them are fast. Shapes (n_blocks,)."""
+    """Means over blocks of rows, the velocity between them, and which of them are fast and have neighbours that move the
+    same way: swings that are as short as a block leave a torque of inertia that looks like friction of the other sign.
+    Shapes (n_blocks,)."""
 
     time: Samples
     position: Samples
@@ -343,7 +345,9 @@ def _average_blocks(recording: Recording) -> _Blocks | None:
     if time.size < _FEWEST_BLOCKS:
         return None
     velocity = np.gradient(position, time)
-    return _Blocks(time, position, torque, velocity, np.abs(velocity) > 0.1 * np.percentile(np.abs(velocity), 98))
+    fast = np.abs(velocity) > 0.1 * np.percentile(np.abs(velocity), 98)
+    fast[1:-1] &= (velocity[1:-1] * velocity[:-2] > 0.0) & (velocity[1:-1] * velocity[2:] > 0.0)
+    return _Blocks(time, position, torque, velocity, fast)
 
 
 def _share_of_work(recording: Recording) -> float | None:

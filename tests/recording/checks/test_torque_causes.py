@@ -67,3 +67,30 @@ def test_a_link_that_its_neighbour_drives_gets_no_advice_on_signs() -> None:
     found = _energy(Recording(t, q, torque))
     assert found.code == "driven"
     assert "sign" not in found.advice
+
+
+def _step_a_servo(seed: int, stiffness: float, rate: float) -> Recording:
+    """A servo with a proportional loop that is stepped to random angles, and swings a few times after each."""
+    dt, rng = 1e-3, np.random.default_rng(seed)
+    inertia, damping, coulomb, limit = 0.006, 0.07, 0.05, 1.5
+    q = v = 0.0
+    rows = np.empty((60_000, 2))
+    targets = np.repeat(rng.uniform(-1.2, 1.2, 60), 1000)
+    for k, target in enumerate(targets):
+        torque = float(np.clip(stiffness * (target - q) - damping * v, -limit, limit))
+        free = v + dt * torque / inertia
+        v = float(np.sign(free)) * max(abs(free) - dt * coulomb / inertia, 0.0)
+        q += dt * v
+        rows[k] = q, torque
+    rows = rows[:: round(1.0 / (rate * dt))]
+    return Recording(np.arange(len(rows)) / rate, rows[:, 0], rows[:, 1] + rng.normal(0.0, 0.004, len(rows)))
+
+
+@pytest.mark.parametrize(("seed", "stiffness", "rate"), [(1, 6.0, 50.0), (2, 9.0, 50.0), (3, 5.0, 40.0)])
+def test_a_servo_that_swings_faster_than_friction_is_averaged_has_no_turned_sign(
+    seed: int, stiffness: float, rate: float
+) -> None:
+    log = _step_a_servo(seed, stiffness, rate)
+    codes = {"flipped_torque", "late_torque", "driven"}
+    assert not codes & {one.code for one in check_recording(log)}
+    assert _energy(log.with_channels(torque=-log.torque)).code == "flipped_torque"
