@@ -323,7 +323,7 @@ def _friction_in_quarters(recording: Recording) -> Samples | None:
 
 
 class _Blocks(NamedTuple):
-    """Means over blocks of rows, the velocity between them, and which of them are fast and go the way of their neighbours.
+    """Means over blocks of rows, the velocity between them, and which are fast and go the way of their neighbours.
 
     Swings as short as a block leave a torque of inertia that looks like friction of the other sign. Shapes (n_blocks,).
     """
