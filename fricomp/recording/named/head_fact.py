@@ -39,8 +39,8 @@ _FACT = {
     )
     for name, called in _CALLED.items()
 }
-_BEFORE = re.compile(r"(\d+)[ _]*cpr(?![a-z])", re.IGNORECASE)
-"""Counts of a turn in the name of a column: `encoder (4096 cpr)`."""
+_BEFORE = re.compile(rf"(\d+)[ _]*(?:cpr(?![a-z])|(?:counts?|cts|inc(?:r|rements?)?|inkremente)[ _]*{_PER_TURN})", re.I)
+"""Counts of a turn before what they are: `encoder (4096 cpr)`, `Resolution: 8192 inc/rev`."""
 _RATES = {"": 1.0, "hz": 1.0, "khz": 1e3, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0, "1/s": 1.0}
 _STEPS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 """What one of a unit is [Hz] or [s]."""
@@ -82,6 +82,8 @@ def _find_facts(lines: Iterable[str]) -> dict[str, HeadFact]:
                 value = _read_value(name, *match.groups(""))
                 if value is not None and value > 0.0:
                     found.setdefault(name, set()).add(HeadFact(value, match.group().strip(' "\r\n')))
+        for name, fact in _find_counts(line).items():
+            found.setdefault(name, set()).add(fact)
     facts = {name: next(iter(said)) for name, said in found.items() if len({one.value for one in said}) == 1}
     step = facts.pop("step", None)
     return {"rate": HeadFact(1.0 / step.value, step.said), **facts} if step is not None else facts
@@ -126,7 +128,8 @@ def fill_head_facts(path: Path, line: str, column: str) -> str:
     if rated is not None and share:
         filled = line.replace(share.group(), f"{rated.value / float(share.group(1)):.8g}")
         return f"{filled}  # by {rated.said!r}; times the gear ratio where the position is behind a gear"
-    if counts is not None and "VALUE_OF_ONE" in line and line.lstrip().startswith(("position", "channels.position")):
+    counted = ("position", "velocity") if "/s" in column else ("position",)
+    if counts is not None and "VALUE_OF_ONE" in line and line.lstrip().removeprefix("channels.").startswith(counted):
         filled = line.replace("VALUE_OF_ONE", f"{math.tau / counts.value:.9g}")
         return f"{filled}  # by {counts.said!r}; over the gear ratio where it is a motor's"
     return line

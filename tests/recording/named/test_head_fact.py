@@ -55,6 +55,8 @@ def test_a_time_of_the_rows_comes_before_a_rate_above_them(tmp_path: Path) -> No
         ("# motor: EC45, Kt = 0.089 Nm/A, gear ratio: 30", {"KT": 0.089, "RATIO": 30.0}),
         ("Nennmoment [mNm];2390", {"RATED": 2.39}),
         ("Inkremente/Umdrehung;8192", {"COUNTS_A_TURN": 8192.0}),
+        ("Encoder resolution: 4194304 inc/rev", {"COUNTS_A_TURN": 4194304.0}),
+        ("Feedback;65536 counts per turn", {"COUNTS_A_TURN": 65536.0}),
         ("gear_ratio: 1:50", {"RATIO": 50.0}),
         ("cpr: 4096\n# cpr: 8192", {}),
         ("Rated torque: 3 parsec", {}),
