@@ -17,6 +17,7 @@ from fricomp.cli.diagnosis.arm import (
     LogMapping,
     Match,
     Payload,
+    choose_joint,
     find_arm_log,
     find_payload,
     read_joint,
@@ -145,6 +146,7 @@ def diagnose(
     from fricomp.errors import ParameterError
     from fricomp.fleet import find_recordings, is_joint_table
     from fricomp.results import require_folder
+    from fricomp.simulation_file import list_joints
 
     require(*REPORT, "ruptures")
     require_folder(out)
@@ -165,6 +167,9 @@ def diagnose(
     _refuse_fleet_options(fleet)
     arm = ArmOptions(match, gain, channel, mapping)
     log = None if joint is not None else find_arm_log(recordings, simulation, arm)
+    if log is not None and simulation is not None and len(list_joints(simulation)) == 1:
+        options["joint"] = joint = choose_joint(log, simulation)
+        log = None
     log = None if log is None else cut.apply_to_log(log)
     if log is not None and simulation is not None and len(log.sessions) == 1 and not payload:
         run_arm(log, simulation, out, arm, seed, overwrite=overwrite)

@@ -143,6 +143,25 @@ def test_a_joint_that_the_simulation_lacks_is_named_with_those_it_has(tmp_path: 
     assert "elbow" in done.stderr
 
 
+@pytest.mark.parametrize("opening", [0.0, 0.01])
+@pytest.mark.parametrize("name", ["elbow", "elbow_joint"])
+def test_of_a_log_with_a_gripper_beside_it_the_only_joint_of_a_simulation_is_taken(
+    name: str, opening: float, tmp_path: Path
+) -> None:
+    columns = _columns()
+    own = [columns["position"], columns["velocity"], -columns["torque"]]
+    grip = 0.01 + opening * np.sin(columns["time"])
+    beside = [grip, np.gradient(grip, 2e-3), 0.1 * np.ones(grip.size)]
+    names = [f"{joint}.{channel}" for joint in (name, "gripper") for channel in ("position", "velocity", "effort")]
+    (tmp_path / "joint.xml").write_text(_JOINT)
+    table = np.column_stack([columns["time"], *own, *beside])
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=",".join(["time", *names]), comments="")
+    said = call("diagnose", tmp_path / "log.csv", "--simulation", tmp_path / "joint.xml", "--out", tmp_path / "out")
+    assert said.returncode == EXIT_BAD_DATA
+    assert "flip its sign" in said.stdout
+    assert "'elbow' alone" in said.stderr
+
+
 def test_simulated_and_simulation_exclude_each_other(tmp_path: Path) -> None:
     path, model = _save(tmp_path, _columns(6.0)), tmp_path / "joint.xml"
     model.write_text(_JOINT)

@@ -149,6 +149,24 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
     return log if log.is_arm else None
 
 
+def choose_joint(log: ArmLog, simulation: Path) -> str | None:
+    """The joint of a simulation that has one alone, told; None where none of a log of several is clearly that.
+
+    A gripper beside the joint, or the rest of an arm, is no joint of that simulation.
+    """
+    from fricomp.cli.terminal import console
+    from fricomp.recording.named.joint_name import select_joint
+    from fricomp.simulation_file import list_joints
+
+    (wanted,) = list_joints(simulation)
+    logged = [one.metadata.joint for one in log.sessions[0]]
+    if select_joint(logged, wanted, [wanted]) is None:
+        return None  # the reader of one joint takes that which moves alone, or names them
+    said = f"{simulation.name} has the joint {wanted!r} alone: of {', '.join(logged)} that one is examined"
+    console(stderr=True).print(said, soft_wrap=True)
+    return wanted
+
+
 def find_payload(log: ArmLog, simulation: Path, out: Path, options: ArmOptions, *, overwrite: bool) -> Diagnosis:
     """Say what an arm carries at its end, from one session or two, and write the folder of a diagnosis.
 
