@@ -84,13 +84,18 @@ def refuse_axis(path: Path, column: str, meaning: ColumnMeaning, values: Samples
     way = float(np.ptp(known)) if known.size else 0.0
     if meaning.unit or not is_of_axis(column) or way < _FAR:
         return
-    counts = bool(np.all(known == np.round(known)))
-    what = "scale = 6.2832/COUNTS_A_TURN } with the number worked out" if counts else 'unit = "deg" }'
+    in_counts = "scale = 6.2832/COUNTS_A_TURN } with the number worked out"
+    what = in_counts if _are_whole(values) else 'unit = "deg" }'
     raise RecordingError(
         f"{path}: {column!r} is in the unit of its axis, and covers {way:.4g}, far for rad: say in a mapping which it "
         f'is, such as position = {{ column = {column!r}, {what}, or "rad", or "mm" and motion = "linear" '
         "('fricomp convert LOG --inspect --out log.toml' begins one)"
     )
+
+
+def _are_whole(values: Samples) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(np.all(known == np.round(known)))
 
 
 def explain_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> str:
@@ -125,8 +130,15 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
             "gear; and say there what one of the position is ('fricomp convert LOG --inspect --out log.toml' begins "
             "one)"
         )
+    is_angle = channel in ("position", "motor_position")
+    if meaning.unit == RAW_UNIT and is_angle and column in beside and not _are_whole(beside[column]):
+        return (
+            f"{path}: {column!r} is called as an encoder's, and not in counts, since its numbers are not whole: "
+            f'say in a mapping which unit it has, such as {channel} = {{ column = {column!r}, unit = "deg" }}, or '
+            '"rad", "turns", or "mm" and motion = "linear"'
+        )
     if meaning.unit == RAW_UNIT:
-        scale = "6.2832/COUNTS_A_TURN" if channel in ("position", "motor_position") else "VALUE_OF_ONE"
+        scale = "6.2832/COUNTS_A_TURN" if is_angle else "VALUE_OF_ONE"
         return (
             f"{path}: {column!r} is in units of a device: say in a mapping what one is worth, such as "
             f"{channel} = {{ column = {column!r}, scale = {scale} }} with the number worked out"

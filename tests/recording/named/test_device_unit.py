@@ -81,3 +81,14 @@ def test_an_axis_in_whole_numbers_asks_for_the_counts_of_a_turn(tmp_path: Path) 
     np.savetxt(path, table, fmt="%.6g", delimiter=",", header="time [s],ActualPosition,torque [Nm]", comments="")
     with pytest.raises(RecordingError, match=r"scale = 6\.2832/COUNTS_A_TURN \}"):
         read_recording(path)
+
+
+@pytest.mark.parametrize(("scale", "says"), [(1.0, 'unit = "deg"'), (4096.0 / 6.28, "COUNTS_A_TURN")])
+def test_an_encoder_without_whole_numbers_is_asked_for_its_unit_and_not_for_counts(
+    scale: float, says: str, tmp_path: Path
+) -> None:
+    table = np.stack([_TIME, _POSITION if scale == 1.0 else np.round(scale * _POSITION), _TORQUE], axis=1)
+    np.savetxt(tmp_path / "log.csv", table, fmt="%.6f", delimiter=",", header="time,/enc/position,tau", comments="")
+    with pytest.raises(RecordingError) as refused:
+        read_recording(tmp_path / "log.csv")
+    assert says in str(refused.value)
