@@ -76,9 +76,9 @@ _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
-    r"(?<![A-Za-zА-я])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
-    r"|turns/s|turns|rev/s|rev|mnm|ncm|cnm|knm|nm|n·m|n\.m|n_m|kgf_cm|kgf?cm|in_lbf?|inlbf?|ft_lbf?|ftlbf?|oz_in|ozin"
-    r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|m/s|cm|degc|kn|mv|e?rpm"
+    r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
+    r"|turns/s|turns|rev/s|rev|mnm|ncm|cnm|knm|nm|m?n[·._*]m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
+    r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|[uµμ]m|m/s|cm|degc|kn|mv|e?rpm"
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )

@@ -138,11 +138,14 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     if kind in ("", "voltage", "temperature") or _find_quantity(name, split_words(name)) is not None:
         return None
     words = [one for one in split_words(name) if not (one[1][0] < said[0].span[1] and said[0].span[0] < one[1][1])]
-    own = [one for one in words if not _stands_in_path(name, one[1])]
-    is_letter = len(own) == 1 and len(own[0][0]) == 1 and (len(words) == 1 or own[0][0] in _SYMBOLS.get(kind, ""))
-    if UNITS[said[0].unit].si not in _ROTARY and not is_letter:
-        return None
     roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, -1, kind, has_unit=True))}
+    is_rotary = UNITS[said[0].unit].si in _ROTARY
+    said_of_it = [words[k] for k, role in roles.items() if not is_rotary and role in ("measured", "wanted")]  # i_meas
+    own = [one for one in words if not _stands_in_path(name, one[1]) and one not in said_of_it]
+    is_alone = len(words) - len(said_of_it) == 1
+    is_letter = len(own) == 1 and len(own[0][0]) == 1 and (is_alone or own[0][0] in _SYMBOLS.get(kind, ""))
+    if not is_rotary and not is_letter:
+        return None
     if "outside" in roles.values() or ("wanted" in roles.values() and kind not in _REFERENCES):
         return None
     dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in own if is_letter)]

@@ -86,6 +86,10 @@ def test_words_for_a_joint_tell_none_from_another(name: str) -> None:
         ("I [A]", "current", "", ""),
         ("F [N]", "torque", "", "N"),
         ("x_mm", "position", "", "mm"),
+        ("x_µm", "position", "", "um"),
+        ("i_meas_mA", "current", "", "mA"),
+        ("F_ist [N]", "torque", "", "N"),
+        ("x_soll_mm", "position_reference", "", "mm"),
         ("u_cmd_Nm", "torque_command", "u", ""),
         ("elbow_rad", "position", "elbow", ""),
         ("elbow_rad_s", "velocity", "elbow", ""),
@@ -97,6 +101,25 @@ def test_a_unit_says_what_a_column_is_where_no_word_does(name: str, channel: str
     meaning = read_column_unit(name)
     assert meaning is not None
     assert (meaning.channel, meaning.joint, meaning.unit) == (channel, joint, unit)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        *(("pos_um", "um"), ("position_µm", "um"), ("torque_kgf.cm", "kgf·cm"), ("torque_kg-cm", "kgf·cm")),
+        *(
+            ("torque_oz.in", "oz·in"),
+            ("torque_in.lb", "in·lbf"),
+            ("torque.lbf-in", "in·lbf"),
+            ("torque_ft.lb", "ft·lbf"),
+        ),
+        *(("torque_mN.m", "mNm"), ("torque_N.m", ""), ("torque_kgf", "kgf")),
+    ],
+)
+def test_a_unit_of_two_factors_is_no_unit_of_one(name: str, unit: str) -> None:
+    meaning = read_column_name(name)
+    assert meaning is not None
+    assert (meaning.joint, meaning.unit) == ("", unit)
 
 
 @pytest.mark.parametrize("name", ["phase_A", "battery_V", "T [°C]", "U [V]", "AI0 [V]", "load_cell_N", "error_rad"])
