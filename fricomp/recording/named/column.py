@@ -153,6 +153,11 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), -1, unit_for(kind, said[0].unit))
 
 
+def says_counts(name: str) -> bool:
+    """Whether a word of a name is a unit of a device, and not only that it is an encoder's."""
+    return any(word in (*_RAW, "cpr") and word not in _ENCODER[:2] for word, _ in split_words(name))
+
+
 def without_observation(name: str) -> str:
     """A name without what LeRobot writes before that of a joint and of what is said of it."""
     return _OBSERVATION.sub("", name)

@@ -13,7 +13,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples
 
-from .column import RAW_UNIT, ColumnMeaning
+from .column import RAW_UNIT, ColumnMeaning, says_counts
 from .head_fact import say_head_facts
 
 _FAR = 8.0 * np.pi
@@ -131,7 +131,8 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
             "one)"
         )
     is_angle = channel in ("position", "motor_position")
-    if meaning.unit == RAW_UNIT and is_angle and column in beside and not _are_whole(beside[column]):
+    is_whole = column not in beside or _are_whole(beside[column])
+    if meaning.unit == RAW_UNIT and is_angle and not is_whole and not says_counts(column):
         return (
             f"{path}: {column!r} is called as an encoder's, and not in counts, since its numbers are not whole: "
             f'say in a mapping which unit it has, such as {channel} = {{ column = {column!r}, unit = "deg" }}, or '
