@@ -38,7 +38,7 @@ def test_rows_that_were_sent_together_are_spread(size: int, period: float, withi
     assert f"rows come {size} at a time" in used.sentences[0]
 
 
-@pytest.mark.parametrize(("size", "period", "late"), [(10, 1e-3, 3e-4), (5, 2e-3, 4e-4), (16, 5e-4, 2e-4)])
+@pytest.mark.parametrize(("size", "period", "late"), [(10, 1e-3, 3e-4), (5, 2e-3, 4e-4), (16, 5e-4, 4e-4)])
 def test_bursts_are_told_however_uneven_the_stamps_within_are_and_come_out_even(
     size: int, period: float, late: float
 ) -> None:
@@ -49,7 +49,7 @@ def test_bursts_are_told_however_uneven_the_stamps_within_are_and_come_out_even(
     assert bursts is not None
     assert bursts.rows == size
     off = spread.time - row * period
-    assert np.std(off - off.mean()) < 0.03 * period
+    assert np.std(off - off.mean()) < 0.04 * period
 
 
 def test_rows_that_were_taken_in_bursts_stay() -> None:
