@@ -104,7 +104,7 @@ def _say_what_to_do(record: DiagnosisRecord) -> str:
         return _TO_DO["measurement"]
     if record.verdict == "missing_physics" and not record.base:  # no motion that shows the joint, and so no model
         return "put the equation into the simulation; no friction model was written."
-    if record.errors is not None and record.errors.gets_worse:
+    if record.effects and record.errors is not None and record.errors.gets_worse:
         return (
             "look at the joint there, and compensate with none of this: on data left out the model with what is named "
             "is no better than that without."

@@ -151,3 +151,13 @@ def test_what_comes_closest_is_told_where_nothing_is_named_and_it_covers_more_th
     ]
     assert not told("unknown_physics", impossible, stop)
     assert not told("missing_physics", pair)
+
+
+def test_where_nothing_is_named_nobody_is_told_that_it_is_no_better() -> None:
+    given, refitted = (
+        ModelErrors(torque=TorqueError(rms, (0.9 * rms, 1.1 * rms), rms, 5.0, "N·m", 35.0, 30.0))
+        for rms in (0.12, 0.122)
+    )
+    record = _record(verdict="consistent", errors=FileErrors(before=given, after=refitted, file=refitted, folds=6))
+    (to_do,) = (line for line in record.summary if line.startswith("To do: "))
+    assert to_do.startswith("To do: take the friction from friction.json")
