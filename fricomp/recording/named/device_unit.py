@@ -26,6 +26,10 @@ _PER_MILLE = re.compile(
     re.IGNORECASE,
 )
 """Words, and the objects of CiA 402 for the torque and current of a drive, in per mille of their ratings [cia402]."""
+_LENGTHS = ("position", "position_reference")
+_INCHES = re.compile(r"[_ ]in$", re.IGNORECASE)
+_POUNDS = ("lbf", "kip", "in·lbf", "ft·lbf")
+"""`in` alone may be what goes in; beside these it is inches."""
 _LOGIX = re.compile(r"^(.+)\.(?:Torque|Current)(?:Feedback|Reference|Command|Trim)$")
 """Tags of an axis of Rockwell's controllers: per cent of the rating of its motor."""
 _AXIS_VALUE = re.compile(r"(?:^|[./ _\]])f?Act(?:ual)?_?Pos(?:ition)?$")
@@ -58,6 +62,8 @@ def is_of_axis(name: str) -> bool:
 def with_device_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> ColumnMeaning:
     """The meaning with its unit to be asked for, where the name says a rating or an axis; others are as they were.
 
+    `pos_in` beside a force in pounds is in inches.
+
     Args:
         name: Of the column.
         meaning: What its words say, without a unit.
@@ -65,7 +71,13 @@ def with_device_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
     """
     if meaning.channel in _RATED and find_rating_parts(name, beside):
         return replace(meaning, unit=RAW_UNIT)
+    if meaning.channel in _LENGTHS and not meaning.unit and _INCHES.search(name) and _has_pounds(beside):
+        return replace(meaning, unit="in")
     return meaning
+
+
+def _has_pounds(names: Collection[str]) -> bool:
+    return any(word.unit in _POUNDS for name in names for word in find_unit_words(name, -1))
 
 
 def refuse_axis(path: Path, column: str, meaning: ColumnMeaning, values: Samples) -> None:

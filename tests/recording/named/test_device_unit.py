@@ -92,3 +92,12 @@ def test_an_encoder_without_whole_numbers_is_asked_for_its_unit_and_not_for_coun
     with pytest.raises(RecordingError) as refused:
         read_recording(tmp_path / "log.csv")
     assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(("force", "worth"), [("force_lbf", 0.0254), ("force_N", 1.0)])
+def test_a_position_called_in_beside_pounds_is_in_inches(force: str, worth: float, tmp_path: Path) -> None:
+    path = _write(tmp_path / "log.csv", "pos_in", force, (1.0, 1.0))
+    with pytest.warns(RecordingWarning, match="pos_in"):
+        recording = read_recording(path)
+    assert recording.metadata.motion == "linear"
+    np.testing.assert_allclose(recording.position, worth * _POSITION, atol=1e-5)
