@@ -23,6 +23,7 @@ from fricomp.recording.parts.bursts import spread_bursts
 from fricomp.recording.parts.holds import find_stale_rows, thin_held_rows
 from fricomp.recording.parts.missing import count_missing_rows
 from fricomp.recording.parts.rests import find_rests
+from fricomp.recording.parts.silent import find_silent_rows
 from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwrap_position
 from fricomp.recording.recording import Recording
 from fricomp.recording.resampling import resample
@@ -115,7 +116,7 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     stuck = find_stuck_rows(whole)
     if stuck.mean() > _MOST_STUCK:  # then it is what was recorded, and the checks say what it looks like
         stuck[:] = False
-    idle = find_idle_rows(whole)
+    idle = find_idle_rows(whole) | find_silent_rows(whole)
     useless = (
         _tell("rows in which the drive gives no torque while the joint is moved", whole, idle),
         _tell("rows of stuck or saturated stretches", whole, stuck & ~idle),

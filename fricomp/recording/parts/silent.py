@@ -1,0 +1,74 @@
+"""Stretches in which the drive is off while somebody moves the joint, and its torque reads noise and no zeros."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.checks.torque_causes import BlockMotion, average_motion, build_design
+from fricomp.recording.recording import Recording
+from fricomp.root_mean_square import compute_rms
+
+__all__ = ["find_silent_rows"]
+
+Samples = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+_SMOOTH = 0.2
+"""Time over which a torque is averaged to be called next to nothing [s]: far longer than noise remembers."""
+_SHORTEST = 2.0
+"""Stretch below which a torque near zero may be that of a motion that slows down [s], as for torques of exactly 0."""
+_NOTHING = 0.2
+"""Torque over the usual one of the motion, up to which it is next to nothing."""
+_NEEDED = 4.0
+"""Torque that the joint needs there by all that is left, over the one that was recorded, from which on it was off."""
+_KNOWN = 0.8
+"""Part of the torque's variance that a rigid joint with friction must explain elsewhere to say so."""
+_FEWEST = 60
+"""Blocks that slide elsewhere, as many as a joint is fitted to at least, and in a stretch."""
+
+
+def find_silent_rows(recording: Recording) -> Rows:
+    """Rows of long stretches with next to no torque in which the joint moves as it needs one elsewhere.
+
+    A joint of hardly any friction needs none, and its rows stay: what tells is the joint that all other rows show.
+    Shape (n_samples,).
+    """
+    rows = np.zeros(len(recording), dtype=bool)
+    motion = average_motion(recording)
+    if motion is None or recording.metadata.torque_kind == "commanded":
+        return rows
+    torque = _average(np.asarray(recording.torque), motion)
+    quiet = _find_quiet(torque, motion)
+    if not quiet.any() or not _needs_torque(torque, quiet, motion, rotary=recording.metadata.motion == "rotary"):
+        return rows
+    rows[: quiet.size * motion.width] = np.repeat(quiet, motion.width)
+    return rows
+
+
+def _average(values: Samples, motion: BlockMotion) -> Samples:
+    return np.asarray(values[: motion.time.size * motion.width].reshape(-1, motion.width).mean(axis=1))
+
+
+def _find_quiet(torque: Samples, motion: BlockMotion) -> Rows:
+    """Blocks of the stretches with next to no torque."""
+    count = max(1, round(_SMOOTH / float(np.median(np.diff(motion.time)))))
+    smooth = np.abs(np.convolve(torque, np.ones(count) / count, "same"))
+    low = smooth < _NOTHING * float(np.median(np.abs(torque[motion.rows])))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], low, [False]]).astype(int)))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        if motion.time[stop - 1] - motion.time[start] < _SHORTEST or not motion.rows[start:stop].any():
+            low[start:stop] = False
+    return low
+
+
+def _needs_torque(torque: Samples, quiet: Rows, motion: BlockMotion, *, rotary: bool) -> bool:
+    """Whether the joint that the other blocks show would need far more torque in the quiet ones."""
+    inside, own = quiet[motion.rows], torque[motion.rows]
+    if min(np.count_nonzero(inside), np.count_nonzero(~inside)) < _FEWEST:
+        return False
+    design = build_design(motion, rotary=rotary)
+    solution = np.linalg.lstsq(design[~inside], own[~inside], rcond=None)[0]
+    left = own[~inside] - design[~inside] @ solution
+    known = float(np.var(left)) < (1.0 - _KNOWN) * float(np.var(own[~inside]))
+    return known and compute_rms(design[inside] @ solution) > _NEEDED * compute_rms(own[inside])
