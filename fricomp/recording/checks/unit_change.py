@@ -1,5 +1,7 @@
 """A channel whose unit changes within the recording: its values and its steps become another multiple at one row."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,10 +13,11 @@ __all__ = ["find_unit_change"]
 
 Samples = NDArray[np.float64]
 
+_THOUSAND = 1000.0
 _FACTORS = {
     180.0 / np.pi: "as from radians to degrees",
     360.0: "as from turns to degrees",
-    1000.0: "as from a unit to thousandths of it",
+    _THOUSAND: "as from a unit to thousandths of it",
 }
 """Factors between units that are taken for each other, and what they mean. Smaller ones, as from turns to radians, are
 no more than what a quick motion after a slow one may do."""
@@ -38,11 +41,12 @@ _MOST_ROWS = 20
 
 
 def find_unit_change(recording: Recording) -> tuple[Finding, ...]:
-    """Position or velocity that changes its unit at one row, both in size and in how far it moves a row."""
-    for name in ("position", "velocity"):
+    """A channel that changes its unit at one row, both in size and in how far it moves a row."""
+    for name in ("position", "velocity", "torque"):
         values = recording.channels.get(name)
-        change = None if values is None else _locate_change(recording, np.asarray(values))
-        if change is not None:
+        factors = _FACTORS if name != "torque" else {_THOUSAND: _FACTORS[_THOUSAND]}  # no torque is in degrees
+        change = None if values is None else _locate_change(recording, np.asarray(values), factors)
+        if change is not None and (name != "velocity" or _position_says_so(recording, *change[:2])):
             row, factor, meaning = change
             at = float(recording.time[row])
             message = (
@@ -54,7 +58,16 @@ def find_unit_change(recording: Recording) -> tuple[Finding, ...]:
     return ()
 
 
-def _locate_change(recording: Recording, values: Samples) -> tuple[int, float, str] | None:
+def _position_says_so(recording: Recording, row: int, factor: float) -> bool:
+    """Whether the velocity becomes another multiple of how fast the position moves: a joint that sticks does not."""
+    moved, said = np.abs(np.diff(recording.position)), np.abs(recording.channels["velocity"][1:])
+    before, after = (np.sum(moved[part]) / (np.sum(said[part]) + 1e-300) for part in (slice(row), slice(row, None)))
+    return bool(before < _ALIKE * factor * after and factor * after < _ALIKE * before)
+
+
+def _locate_change(
+    recording: Recording, values: Samples, factors: Mapping[float, str]
+) -> tuple[int, float, str] | None:
     """First row in the new unit, the factor, and what it means; None where there is none."""
     step = np.where(np.diff(recording.time) > find_gap_length(recording), 0.0, np.diff(values))
     size = np.abs(step)
@@ -68,7 +81,7 @@ def _locate_change(recording: Recording, values: Samples) -> tuple[int, float, s
         long_before, long_after = _usual_step(size[:k]), _usual_step(size[k + 1 :])
         if min(np.ptp(values[: k + 1]) / long_before, np.ptp(values[k + 1 :]) / long_after) < _RANGE:
             continue
-        for greater, meaning in _FACTORS.items():
+        for greater, meaning in factors.items():
             for factor in (greater, 1.0 / greater):
                 missed = abs(values[k + 1] - factor * values[k])
                 fits = missed <= _NEAR * max(after[k], factor * before[k]) and missed < 0.5 * size[k]

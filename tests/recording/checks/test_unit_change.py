@@ -34,6 +34,16 @@ def test_a_velocity_alone_that_changes_its_unit_is_told_as_well() -> None:
     assert "velocity is 57.3 times" in said
 
 
+@pytest.mark.parametrize(("part", "factor", "rate"), [(0.4, 1000.0, 200.0), (0.6, 1e-3, 500.0)])
+def test_a_torque_that_goes_on_in_thousandths_is_told_and_none_of_57_times(
+    part: float, factor: float, rate: float
+) -> None:
+    log = joint_log(20.0, rate, 6)
+    (said,) = _changes(_switch(log, part, factor, "torque"))
+    assert "torque is" in said
+    assert _changes(_switch(log, part, 180.0 / np.pi, "torque")) == []
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_rest_before_a_motion_and_a_quick_one_after_a_slow_one_are_none(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -56,3 +66,18 @@ def test_a_joint_that_comes_to_rest_with_a_few_kicks_of_its_encoder_is_none(seed
     velocity[first : first + 3] = -0.2, 0.13, -0.15
     position = np.cumsum(velocity) * 0.003
     assert _changes(Recording(t, size * position, np.sign(velocity), velocity=size * velocity)) == []
+
+
+@pytest.mark.parametrize(("seed", "rate"), [(1, 500.0), (2, 250.0), (3, 1000.0)])
+def test_a_velocity_that_ends_in_sticking_as_its_position_does_is_none(seed: int, rate: float) -> None:
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 20.0, 1.0 / rate)
+    slow = 0.1 * np.sin(0.9 * t)
+    v = np.where(t < 12.0, 1.8 * np.sin(2.1 * t), np.where(np.abs(slow) < 0.02, 0.0, slow))
+    k = int(np.searchsorted(t, 12.0))
+    v[k - 30 : k] = np.linspace(0.2, 0.0041, 30)
+    v[k : k + 60] = 0.0
+    v[k] = 0.0041 * np.pi / 180.0
+    v = v + rng.normal(0.0, 2e-6, t.size)
+    log = Recording(t, np.cumsum(v) / rate, np.sign(v) + 0.1 * v, velocity=v)
+    assert _changes(log) == []
