@@ -26,6 +26,8 @@ _LONGEST = 0.15
 """Time that a reading may last [s]: no drive answers more slowly, and a joint that is moved in steps looks alike."""
 
 
+_EVEN = 0.75
+"""Step over another one, from which on they are alike."""
 _FEWEST_STALE = 5
 """Rows from which on it is no chance that readings repeat."""
 
@@ -68,7 +70,7 @@ def find_stale_rows(recording: Recording) -> Rows:
     """Rows in which a reading failed now and then and all of the row before was logged again, though the joint moves.
 
     A joint that rests repeats its readings, too: only rows count about which the position changes by several of its
-    steps. Where readings last for some rows the rate is another one, and none failed. Shape (n_samples,).
+    steps, or evenly. Where readings last for some rows the rate is another one, and none failed. Shape (n_samples,).
     """
     position, none = np.asarray(recording.position), np.zeros(len(recording), dtype=bool)
     measured = [recording.channels[name] for name in ("position", *_READINGS) if name in recording.channels]
@@ -77,8 +79,22 @@ def find_stale_rows(recording: Recording) -> Rows:
     if not np.any(step > 0.0) or _typical_hold(position) is not None:
         return none
     about = np.abs(np.append(position[1:], position[-1]) - np.append(position[0], position[:-1]))
-    stale = same & (about > _FAST * float(np.quantile(step[step > 0.0], 0.02)))
+    moves = about > _FAST * float(np.quantile(step[step > 0.0], 0.02))
+    stale = same & (moves | _find_steps_of_two(step))
     return stale if np.count_nonzero(stale) >= _FEWEST_STALE else none
+
+
+def _find_steps_of_two(step: Values) -> Rows:
+    """Rows without a step between even ones, after which the position makes up for it: a slow motion is even as well.
+
+    Args:
+        step: Sizes of the steps of position. Shape (n_samples - 1,).
+    """
+    found = np.zeros(step.size + 1, dtype=bool)
+    before, none, after, later = step[:-3], step[1:-2], step[2:-1], step[3:]
+    even = np.minimum(before, later) > _EVEN * np.maximum(before, later)
+    found[2:-2] = (none == 0.0) & even & (after > 2.0 * _EVEN * np.maximum(before, later))
+    return found
 
 
 def _list_readings(values: Values, spacing: int) -> Indices:

@@ -29,6 +29,8 @@ _MOST_STRAYS = 0.3
 """Part of the rows above which it is not clear which of them are the joint's."""
 _SPEED = 2.0
 """Times the usual top speed that a joint may reach while others' rows are in between."""
+_FASTEST = 0.98
+"""Part of the steps that are no longer than those of a fast motion."""
 _ALIKE = 0.5
 """Part of the ends of equal rows that leap, from which on these rows interrupt the motion."""
 _LEAP = 5.0
@@ -137,7 +139,7 @@ def follow_motion(recording: Recording) -> Continuity:
 
     The rows between two jumps belong to the motion where they go on from those before them.
     """
-    same = _repeated_values(recording)
+    same = _repeated_values(recording) | _find_lone_rows(np.asarray(recording.position))
     if same.any():
         rest = np.flatnonzero(~same)
         followed = follow_motion(recording.rows(rest))
@@ -281,6 +283,23 @@ def _repeated_values(recording: Recording) -> Rows:
             if enough and _interrupts(recording, same):
                 return same
     return np.zeros(len(recording), dtype=bool)
+
+
+def _find_lone_rows(position: Samples) -> Rows:
+    """Single rows to which the position leaps and from which it comes straight back: no joint turns round so fast.
+
+    Where rows are far apart, such a leap is no more than a dozen of the motion's own steps. Shape (n_samples,).
+    """
+    lone = np.zeros(position.size, dtype=bool)
+    step = np.diff(position)
+    if step.size < _HELD or not step.any():
+        return lone
+    size = np.abs(step)
+    beside = np.sort(_neighbours(size), axis=0)[-3]  # another lone row may stand there, with two leaps
+    limit = _SPEED * np.maximum(beside, float(np.quantile(size[size > 0.0], _FASTEST)))
+    leaps = size > limit
+    lone[1:-1] = leaps[:-1] & leaps[1:] & (step[:-1] * step[1:] < 0.0)
+    return lone
 
 
 def _interrupts(recording: Recording, same: Rows) -> bool:
