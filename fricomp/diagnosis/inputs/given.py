@@ -9,6 +9,7 @@ from pathlib import Path
 from fricomp.errors import DiagnosisError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
+from fricomp.recording.named.assumed_motion import take_motion
 from fricomp.recording.parts.parts import UsableParts
 
 from .checks import kind_against, name_parts, remarks_on, take_usable
@@ -78,12 +79,17 @@ def read_given(
         raise DiagnosisError(f"simulation_error is {simulation_error:g}; give a positive share, such as 0.2 for 20 %")
     if rigid is not None and simulation_error is not None:
         rigid = replace(rigid, error=simulation_error)
+    logged = recordings
+    if rigid is not None:
+        recordings = [take_motion(one, rotary=rigid.rotary) for one in recordings]
     usable = take_usable(recordings, joint)
     reasons = [*usable.reasons, *(kind_against(recordings, rigid.rotary) if rigid else ())]
     if reasons:
         return Given(tuple(recordings), called, reasons=tuple(reasons), data=usable.data)
     whole = usable.whole or tuple(usable.recordings)
     remarks = [*remarks_on(whole, name_parts(whole, called)), *usable.remarks]
+    if any(one is not other for one, other in zip(recordings, logged, strict=True)):
+        remarks.append("The simulation's joint slides, and the log states no unit: it was taken to be in m and N.")
     called = name_parts(usable.recordings, called)
     turned = tuple(one.on_joint_side() for one in usable.recordings)
     remarks += [] if controller is None else check_controller(controller, turned)

@@ -20,6 +20,7 @@ from fricomp.recording.unit import find_unit, shows_radians
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
+from .assumed_motion import mark_assumed
 from .choice import INTEGRAL, TORQUES, choose_columns
 from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint
@@ -173,7 +174,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
             recording = Recording.from_channels(kept, recording.metadata)
             notes.append(f"{path.name}: {own.pop('velocity')[0]!r} is that of the motor, and was left out.")
         findings += found
-        recordings.append(recording)
+        recordings.append(mark_assumed(recording, own))
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
     refuse_arm_in_degrees(path, recordings, sources)
     _ask_turns(path, columns, sources)
