@@ -1,4 +1,4 @@
-"""Stretches in which the drive is off while somebody moves the joint, and its torque reads noise and no zeros."""
+"""Stretches in which the drive is off while the joint moves: somebody moves it, or a brake stops it."""
 
 from __future__ import annotations
 
@@ -26,23 +26,29 @@ _KNOWN = 0.8
 """Part of the torque's variance that a rigid joint with friction must explain elsewhere to say so."""
 _FEWEST = 60
 """Blocks that slide elsewhere, as many as a joint is fitted to at least, and in a stretch."""
+_FEWEST_BRAKED = 1
+"""Blocks that slide until a brake has stopped the joint: it takes a tenth of a second, and zeros follow for long."""
+_AT_REST = 1e-3
+"""Speed over the top one, below which a joint has stopped."""
+_MATTERS = 0.3
+"""Torque that is needed over the usual one, below which its lack may be what the rigid joint leaves elsewhere."""
 
 
 def find_silent_rows(recording: Recording) -> Rows:
     """Rows of long stretches with next to no torque in which the joint moves as it needs one elsewhere.
 
-    A joint of hardly any friction needs none, and its rows stay: what tells is the joint that all other rows show.
-    Shape (n_samples,).
+    A joint of hardly any friction needs none, and its rows stay, and so do those of one that coasts: what tells is the
+    joint that all other rows show. Shape (n_samples,).
     """
     rows = np.zeros(len(recording), dtype=bool)
     motion = average_motion(recording)
     if motion is None or recording.metadata.torque_kind == "commanded":
         return rows
-    torque = _average(np.asarray(recording.torque), motion)
-    quiet = _find_quiet(torque, motion)
-    if not quiet.any() or not _needs_torque(torque, quiet, motion, rotary=recording.metadata.motion == "rotary"):
-        return rows
-    rows[: quiet.size * motion.width] = np.repeat(quiet, motion.width)
+    torque, rotary = _average(np.asarray(recording.torque), motion), recording.metadata.motion == "rotary"
+    quiet, braked = _find_quiet(torque, motion), _find_braked(torque, motion)
+    for found, fewest in ((quiet, _FEWEST), (braked, _FEWEST_BRAKED)):
+        if found.any() and _needs_torque(torque, found, motion, fewest, rotary=rotary):
+            rows[: found.size * motion.width] |= np.repeat(found, motion.width)
     return rows
 
 
@@ -62,13 +68,27 @@ def _find_quiet(torque: Samples, motion: BlockMotion) -> Rows:
     return low
 
 
-def _needs_torque(torque: Samples, quiet: Rows, motion: BlockMotion, *, rotary: bool) -> bool:
+def _find_braked(torque: Samples, motion: BlockMotion) -> Rows:
+    """Blocks in which the joint still moves while the torque is exactly 0, and stays so for long: the drive is off."""
+    zero: Rows = np.asarray(torque == 0.0)
+    top = float(np.max(np.abs(motion.velocity)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], zero, [False]]).astype(int)))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        if motion.time[stop - 1] - motion.time[start] < _SHORTEST:
+            zero[start:stop] = False
+        moving = np.flatnonzero(np.abs(motion.velocity[start:stop]) > _AT_REST * top)
+        zero[start + (moving[-1] + 2 if moving.size else 0) : stop] = False  # the rest that follows is one
+    return zero
+
+
+def _needs_torque(torque: Samples, quiet: Rows, motion: BlockMotion, fewest: int, *, rotary: bool) -> bool:
     """Whether the joint that the other blocks show would need far more torque in the quiet ones."""
     inside, own = quiet[motion.rows], torque[motion.rows]
-    if min(np.count_nonzero(inside), np.count_nonzero(~inside)) < _FEWEST:
+    if np.count_nonzero(inside) < fewest or np.count_nonzero(~inside) < _FEWEST:
         return False
     design = build_design(motion, rotary=rotary)
     solution = np.linalg.lstsq(design[~inside], own[~inside], rcond=None)[0]
     left = own[~inside] - design[~inside] @ solution
     known = float(np.var(left)) < (1.0 - _KNOWN) * float(np.var(own[~inside]))
-    return known and compute_rms(design[inside] @ solution) > _NEEDED * compute_rms(own[inside])
+    needed = compute_rms(design[inside] @ solution)
+    return known and needed > max(_NEEDED * compute_rms(own[inside]), _MATTERS * compute_rms(own[~inside]))

@@ -9,7 +9,7 @@ from fricomp.recording import Recording
 from fricomp.recording.parts.parts import find_usable_parts
 from fricomp.recording.parts.silent import find_silent_rows
 
-from ..joint_log import joint_log
+from ..joint_log import COULOMB, INERTIA, VISCOUS, joint_log
 
 
 def _move_by_hand_first(log: Recording, seconds: float, noise: float, seed: int) -> Recording:
@@ -52,3 +52,40 @@ def test_a_joint_of_hardly_any_friction_keeps_its_rows() -> None:
     torque = 0.05 * np.gradient(velocity, time) + 1e-3 * np.sign(velocity)
     noisy = torque + np.random.default_rng(6).normal(0.0, 5e-3, time.size)
     assert not find_silent_rows(Recording(time, position, noisy)).any()
+
+
+@pytest.mark.parametrize(("rate", "seed", "slows_in"), [(400.0, 1, 0.1), (1000.0, 2, 0.1), (200.0, 3, 0.15)])
+def test_a_joint_that_a_brake_stops_while_its_drive_is_off_is_left_out_until_it_rests(
+    rate: float, seed: int, slows_in: float
+) -> None:
+    log = joint_log(25.0, rate, seed)
+    speed = np.gradient(log.position, log.time)
+    stop = int(np.flatnonzero(np.abs(speed[: round(24.0 * rate)]) > 0.8 * np.abs(speed).max())[-1])
+    after = np.arange(1, round(4.0 * rate)) / rate
+    tail = log.position[stop] + speed[stop] * slows_in * (1.0 - np.exp(-after / slows_in))
+    channels = {
+        "time": np.concatenate([log.time[: stop + 1], log.time[stop] + after]),
+        "position": np.concatenate([log.position[: stop + 1], np.round(tail / 1e-5) * 1e-5]),
+        "torque": np.concatenate([log.torque[: stop + 1], np.zeros(after.size)]),
+    }
+    recording = Recording.from_channels(channels, log.metadata)
+    silent = find_silent_rows(recording)
+    assert silent[stop + 1 + round(0.03 * rate) : stop + round((slows_in + 0.03) * rate)].all()
+    assert not silent[: stop - round(0.03 * rate)].any()
+
+
+def test_a_joint_that_coasts_to_rest_without_torque_stays() -> None:
+    log = joint_log(25.0, 400.0, 7)
+    speed = np.gradient(log.position, log.time)
+    stop = int(np.flatnonzero(np.abs(speed[: round(24.0 * 400)]) > 0.8 * np.abs(speed).max())[-1])
+    q, v, dt = [float(log.position[stop])], float(speed[stop]), 1.0 / 400.0
+    for _ in range(round(4.0 / dt)):
+        slowed = abs(v) - dt * (COULOMB + VISCOUS * abs(v)) / INERTIA
+        v = np.sign(v) * max(slowed, 0.0)
+        q.append(q[-1] + dt * v)
+    channels = {
+        "time": np.concatenate([log.time[: stop + 1], log.time[stop] + dt * np.arange(1, len(q))]),
+        "position": np.concatenate([log.position[: stop + 1], q[1:]]),
+        "torque": np.concatenate([log.torque[: stop + 1], np.zeros(len(q) - 1)]),
+    }
+    assert not find_silent_rows(Recording.from_channels(channels, log.metadata)).any()
