@@ -10,8 +10,6 @@ from fricomp.recording.unit_word import find_unit_words
 
 from .column import ColumnMeaning
 
-__all__ = ["mark_assumed", "take_motion"]
-
 _ASSUMED = "motion_assumed"
 """In `extra` of the metadata: `motion` is what most joints do."""
 

@@ -9,8 +9,6 @@ from fricomp.recording.checks.torque_causes import BlockMotion, average_motion, 
 from fricomp.recording.recording import Recording
 from fricomp.root_mean_square import compute_rms
 
-__all__ = ["find_silent_rows"]
-
 Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
