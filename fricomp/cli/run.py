@@ -86,6 +86,7 @@ def run(
     from fricomp.cli.option.page import open_page, watching
     from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
+    from fricomp.control.compensation.trust import require_usable
     from fricomp.extras import REPORT, require
     from fricomp.model import load_model
     from fricomp.results import RUN, claim_folder
@@ -97,6 +98,8 @@ def run(
     _require_not_negative(delay=delay, velocity_filter=velocity_filter)
     require(*REPORT)
     friction = [load_model(path) for path in models]
+    for model in friction:
+        require_usable(model)
     chosen = choose_adapter(backend, config)
     title = f"Run of {', '.join(model.joint for model in friction)}"
     with (

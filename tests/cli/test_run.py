@@ -17,7 +17,7 @@ from fricomp.control import JointLimits, ReferenceState, SineReference
 from fricomp.errors import AdapterConfigurationError, AdapterError, ParameterError, SafetyTrip
 from fricomp.joint import CommandMode
 from fricomp.laws import Cogging, FrictionLaw, Stribeck, StribeckCurve, Viscous
-from fricomp.model import FrictionModel, Validity, save_model
+from fricomp.model import FrictionModel, Provenance, Validity, save_model
 from fricomp.recording import read_recording
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter
 
@@ -227,3 +227,15 @@ def test_the_log_of_a_run_is_read_by_its_library_and_by_convert(tmp_path: Path, 
     assert len(back) == 700
     refused = CliRunner().invoke(app, ["run", str(model), *short, "--overwrite", "--log", str(tmp_path / "run.bag")])
     assert "ends in .mcap" in str(refused.exception)
+
+
+def test_a_model_that_is_not_usable_moves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "friction.json"
+    doubted = Provenance(status="not_identifiable", message="too few speeds")
+    save_model(FrictionModel(FrictionLaw((Viscous(0.02),)), joint="elbow", provenance=doubted), file)
+    opened: list[SimulatedJointAdapter] = []
+    monkeypatch.setattr(SimulatedJointAdapter, "_open", opened.append)
+    result = CliRunner().invoke(app, ["run", str(file), "--out", str(tmp_path / "run")])
+    assert isinstance(result.exception, ParameterError), result.output
+    assert "'elbow' is not usable (not_identifiable" in str(result.exception)
+    assert not opened
