@@ -72,6 +72,7 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
     noises = [_match_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
     rows = [chain.simulate_rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
+    rows = _blur(rows, JOINT.finest * plant.level, seed)
     return Nulls(tuple(rows), _build_weights(rows, _compute_presliding(problem, plant, effects)))
 
 
@@ -144,6 +145,12 @@ def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> Torq
     again = _compute_variation(chain.simulate_rows(index, noise, JOINT.matching_nulls, seed), slides)
     factor = float(np.clip(np.sqrt(target[0] / again[0]), *JOINT.noise_correction))
     return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
+
+
+def _blur(rows: Sequence[FloatArray], size: float, seed: int) -> list[FloatArray]:
+    """Rows with noise of `size` beside their own, so that nothing finer counts [N·m]."""
+    rng = np.random.default_rng([seed, len(rows)])
+    return [one + size * rng.standard_normal(one.shape) for one in rows]
 
 
 def _find_sliding(problem: Problem, index: int) -> NDArray[np.bool_]:

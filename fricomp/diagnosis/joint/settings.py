@@ -71,8 +71,9 @@ class JointSettings:
     loud: float = 1.1
     """Residual over noise from which a fit of the base is loud, so that other bristles and creep are tried. A lower
     one costs time."""
-    slowest_creep: float = 1e-3
-    """Least creep velocity, in the top speed of the motion. A slower one is a bristle for all that the rows show."""
+    slowest_creep: float = 1e-5
+    """Least creep velocity, in the top speed of the motion. Rests show it: a joint of a simulator, held for a second
+    against its friction loss, gives way by some millirad."""
     fastest_creep: float = 0.1
     """Largest creep velocity, in the top speed of the motion. A faster one is viscous friction."""
     longest_lead: float = 0.03
@@ -110,6 +111,9 @@ class JointSettings:
     alike differ as much."""
     law_doubt: float = 0.5
     """Part of what another law changes in a row that counts as its uncertainty."""
+    finest: float = 0.005
+    """Least noise of a row, in the Coulomb torque. In logs without noise, as simulators write them, a smaller one
+    would be that of our own arithmetic and of what happens between two samples."""
     torque_window: float = 0.011
     """Window that separates the applied torque from its noise [s]. A longer one takes reversals off the nulls."""
     delay_spread: float = 5e-5
