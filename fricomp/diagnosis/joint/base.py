@@ -177,7 +177,8 @@ class BaseModel:
             )
         )
         friction_low = [0.0, 0.0, np.log(top_speed * JOINT.lowest_stribeck), 0.0]
-        friction_high = [min(50 * level, max(largest, level)), 10 * level, np.log(top_speed), 50 * viscous]
+        fastest = max(50 * viscous, largest / top_speed)
+        friction_high = [min(50 * level, max(largest, level)), 10 * level, np.log(top_speed), fastest]
         friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
         inertia = start[0]
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]

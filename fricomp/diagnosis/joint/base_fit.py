@@ -97,6 +97,19 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     return fit_base(problem, best.theta, free), free
 
 
+def fit_creeping(problem: Problem, theta: FloatArray, box: Box, top_speed: float) -> tuple[Fit, Box]:
+    """Fit the base from a joint whose friction creeps. Returns its domain too.
+
+    Args:
+        problem: Recordings and weights.
+        theta: Base parameters of that joint. Shape (p,).
+        box: Domain of the base parameters.
+        top_speed: Largest speed of the recorded motion [rad/s].
+    """
+    free = _free_creep(box, theta, top_speed)
+    return fit_base(problem.cut_samples_for(unpack(theta)), theta, free), free
+
+
 def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
     """Propose base parameters with friction that creeps in place of a bristle, each with its domain.
 

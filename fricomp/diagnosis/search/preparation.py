@@ -18,7 +18,7 @@ from ..effects.time_window import find_time_windows
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray, Track
 from ..joint.base import BASE_NAMES, BaseModel, unpack
-from ..joint.base_fit import fit_base, fit_creep, is_loud, try_other_bristle
+from ..joint.base_fit import fit_base, fit_creep, fit_creeping, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
 from ..joint.observer import Contribution, Observer, Plant
 from ..joint.problem import Problem, build_problem
@@ -113,7 +113,7 @@ def prepare(
     nulls: int,
     seed: int,
     rigid: RigidJoint | None = None,
-    creeps: bool = False,
+    creeps: FloatArray | None = None,
     start: Plant | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Baseline:
@@ -125,7 +125,7 @@ def prepare(
         nulls: Number of nulls.
         seed: Seed of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
-        creeps: The friction is known to creep.
+        creeps: Base parameters of the joint, shape (p,), where its friction is known to creep.
         start: The joint as far as it is known; None for the estimate in weak form.
         tell: Called with a first look at what the base leaves, in a sentence.
     """
@@ -133,7 +133,10 @@ def prepare(
     fit, problem, _ = _reweigh(raw, fit, box, SEARCH.first_nulls, seed)
     tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
-    fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
+    if creeps is not None:
+        fit, box = fit_creeping(problem, creeps, box, find_top_speed(tracks))
+    else:
+        fit, box = _try_creep(raw, problem, fit, box, seed)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
     baseline = Baseline(problem, build_structure(problem, fit, box), fit, box, found, rigid=rigid)
     return _level_noise(_recolour(baseline))
@@ -159,7 +162,7 @@ def _fit_first(
     return next((other for other in others if other[1].cost < SEARCH.astray_cost * usual[1].cost), usual)
 
 
-def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
+def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -> tuple[Fit, Box]:
     """Return the fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls
     do.
 
@@ -179,7 +182,7 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, cr
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.build_vectors()])
     quiet = found.residual @ found.residual <= SEARCH.quiet_creep**2 * left
-    accepted = creeps or quiet or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
+    accepted = quiet or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
     return (found, free) if accepted else (fit, box)
 
 

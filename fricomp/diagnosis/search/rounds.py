@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from .late_creep import has_late_creep
+from .late_creep import find_late_creep
 from .late_joint import find_far_joint, measure_left
 from .late_noise import remeasure_noise
 from .preparation import Baseline
@@ -33,17 +33,32 @@ def search_in_rounds(
     """
     tell("searching for effects")
     found = search(baseline)
-    if has_late_creep(baseline, found):
-        tell("searching again, with friction that creeps")
-        base = partial(base, creeps=True)
-        baseline = base()
-        found = search(baseline)
+    base, baseline, found = _search_with_creep(baseline, found, base, tell)
     baseline, found = _search_from_joint(baseline, found, base, tell)
     quieter = remeasure_noise(baseline, found, seed)
     if quieter is None:
         return baseline, found
     tell("searching again, with the noise that is left")
     return quieter, search(quieter, found.best)
+
+
+def _search_with_creep(
+    baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
+) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
+    """Search again with friction that creeps, where it may beside what was found, and leaves less that way."""
+    creeps = find_late_creep(baseline, found)
+    if creeps is None:
+        return base, baseline, found
+    tell("searching again, with friction that creeps")
+    creeping = partial(base, creeps=creeps)
+    try:
+        other = creeping()
+    except FloatingPointError:
+        return base, baseline, found
+    again = search(other, found.best)
+    if measure_left(other, again) >= measure_left(baseline, found):
+        return base, baseline, found
+    return creeping, other, again
 
 
 def _search_from_joint(

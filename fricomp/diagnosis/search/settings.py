@@ -111,8 +111,8 @@ class SearchSettings:
     """Cost of the base with such a delay, in that without, below which it is worth a search."""
     late_creep_loud: float = 1.5
     """Residual over noise of the best explanation from which creep is tried beside it."""
-    late_creep_cost: float = 0.5
-    """Cost with creep, in that with a bristle, below which the joint creeps."""
+    late_creep_cost: float = 0.75
+    """Cost with creep, in that with a bristle, below which it is worth a search with creep."""
     body_held: float = 0.002
     """Relative deviation of inertia and gravity that are held at those of the simulation: narrow beside any error that
     matters, and wide enough for a fit to move."""

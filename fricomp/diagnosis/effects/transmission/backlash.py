@@ -64,7 +64,7 @@ class Backlash(Effect):
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # The size of an impact is free within a factor of three; when it comes, the share tells within 0.02.
-        gaps, shares = np.log(np.geomspace(1e-4, 2e-2, 6)), np.linspace(0.3, 0.86, 29)
+        gaps, shares = np.log(np.geomspace(1e-4, 2e-2, 6)), np.linspace(0.3, 0.94, 33)
         contact = {"contact_rate": float(np.log(self.usual_rate)), "contact_damping": float(np.log(self.usual_damping))}
         return [{"gap": float(gap), "load_share": float(share), **contact} for gap in gaps for share in shares]
 
