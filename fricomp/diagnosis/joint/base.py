@@ -205,8 +205,10 @@ class BaseModel:
         centre[15] = 0.5
         weight[16] = 1.0 / 0.7
         # Sliding shows offset and difference of the directions as one sum; only the start of motion could part them.
-        difference = (np.eye(start.size)[4] - np.eye(start.size)[8]) / (JOINT.asymmetry_spread * level)
-        precision = np.diag(weight**2) + np.outer(difference, difference)
+        # A friction that hardly falls within the motion is as good a level as the Coulomb torque.
+        unit = np.eye(start.size) / (JOINT.asymmetry_spread * level)
+        differences = (unit[4] - unit[8], unit[4] + unit[5] - unit[8] - unit[9])
+        precision = np.diag(weight**2) + sum(np.outer(one, one) for one in differences)
         return cls(
             np.clip(start, low, high),
             Box(low, high, np.array([*scale, *bristle_scale]), centre, precision, np.array(JOINT.longest_steps)),
