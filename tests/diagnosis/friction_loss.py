@@ -39,6 +39,7 @@ class FrictionLoss:
         mass: Of the pendulum [kg].
         cogging: Amplitude of a torque ripple of order 12 [N·m].
         load_friction: Rise of the friction loss with the gravity torque [1].
+        drag: Of a friction that grows with the square of the speed [N·m·s²/rad²].
     """
 
     level: float = 1.5
@@ -47,6 +48,7 @@ class FrictionLoss:
     mass: float = 2.0
     cogging: float = 0.0
     load_friction: float = 0.0
+    drag: float = 0.0
 
     @property
     def gravity(self) -> float:
@@ -115,7 +117,8 @@ def _moved(
         torque = _GAINS[0] * (wanted[k] - position) + _GAINS[1] * (speeds[k] - seen)
         shown[:, k] = position, torque
         model.dof_frictionloss[0] = truth.level + truth.load_friction * truth.gravity * abs(np.sin(data.qpos[0]))
-        data.qfrc_applied[0] = torque + truth.cogging * np.sin(_ORDER * data.qpos[0])
+        drag = truth.drag * data.qvel[0] * abs(data.qvel[0])
+        data.qfrc_applied[0] = torque + truth.cogging * np.sin(_ORDER * data.qpos[0]) - drag
         mujoco.mj_step(model, data)
     each = round(1.0 / (rate * _STEP))
     position, torque = shown[:, ::each]

@@ -6,7 +6,7 @@ import pytest
 
 from fricomp.diagnosis import Diagnosis, diagnose
 
-from .friction_loss import STICKING, FrictionLoss, recording
+from .friction_loss import STICKING, FrictionLoss, recording, simulated
 
 _SECONDS = 16.0
 
@@ -50,3 +50,15 @@ def test_creep_that_shows_only_beside_the_effect(truth: FrictionLoss, kind: str,
     found = _diagnosed(truth, kind)
     _only(found, name)
     assert found.record.base["creep_velocity"].value > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("drag", [0.0, 0.4])
+@pytest.mark.parametrize(("kind", "level"), [("rests", 0.2), ("multisine", 0.3)])
+def test_a_log_of_a_simulator_without_noise_shows_what_is_missing_and_nothing_else(
+    kind: str, level: float, drag: float
+) -> None:
+    """Its friction creeps far slower than it moves, and what our own arithmetic leaves is no physics."""
+    found = diagnose(simulated(FrictionLoss(level=level, drag=drag), kind, duration=_SECONDS, rate=500))
+    assert [effect.name for effect in found.effects] == (["quadratic_drag"] if drag else []), found.sentences
+    assert found.record.verdict == ("missing_physics" if drag else "consistent")

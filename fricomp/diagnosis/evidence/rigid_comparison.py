@@ -18,7 +18,7 @@ from .comparison import (
     describe_change,
     weigh_hypotheses,
 )
-from .settings import PARAMETERS
+from .settings import GATES, PARAMETERS
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 
@@ -52,7 +52,7 @@ def compare_rigid(
     if static:
         hypotheses |= {"payload_error": np.eye(shift.size), "torque_gain_error": prior[:, None]}
     scores, _ = weigh_hypotheses(shift, weight, hypotheses)
-    if scores[""] - min(scores.values()) < PARAMETERS.significant:
+    if scores[""] - min(scores.values()) < PARAMETERS.significant or not _matters(shift, plant, given, acceleration):
         return Comparison()
     # What moved strays by a part of its own size as well: that tells no hypothesis from another.
     own = np.array([abs(shift[0]), *[float(np.linalg.norm(shift[1:]))] * len(static)])
@@ -82,6 +82,12 @@ def compare_rigid(
         best, fitted[best], hypotheses[best], covariance + floor, (given, plant, unit, others), static
     )
     return Comparison((shift_of_best,), tuple(changes))
+
+
+def _matters(shift: FloatArray, plant: Plant, given: RigidJoint, acceleration: float) -> bool:
+    """Whether the torque of a shift is a part of the friction that a user would care about, as for what is unknown."""
+    torque = np.hypot(float(shift[0]) * given.inertia * acceleration, float(np.linalg.norm(shift[1:])))
+    return bool(torque > GATES.material * plant.level)
 
 
 def _measure_surprise(shift: FloatArray, covariance: FloatArray, own: slice) -> float:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..effects.structure import N_BASE, Structure
-from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.base_fit import propose_creep_starts
+from .explanation import Explanation
 from .preparation import Baseline, find_top_speed
 from .refit import fit_from
 from .search import SearchResult
@@ -14,9 +14,9 @@ from .settings import SEARCH
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
-def find_late_creep(baseline: Baseline, found: SearchResult) -> FloatArray | None:
-    """Find the base parameters of a joint whose friction creeps, where the best explanation leaves clearly less with it
-    than with a bristle; None elsewhere. Shape (p,).
+def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | None:
+    """Find the best explanation with friction that creeps in place of a bristle, where it leaves clearly less so; None
+    elsewhere.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. What a
     bristle cannot do then, a power law of the speed draws, a drag or a transmission that gives way.
@@ -33,6 +33,6 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> FloatArray | Non
         return None
     starts = propose_creep_starts(best.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
     structure = Structure(best.structure.contexts, best.settled)
-    fits = [one.fit for start, box in starts for one in fit_from(baseline, [(structure, start)], box)]
-    least = min(fits, key=lambda fit: fit.cost)
-    return least.theta[:N_BASE] if least.cost < SEARCH.late_creep_cost * best.fit.cost else None
+    fitted = [one for start, box in starts for one in fit_from(baseline, [(structure, start)], box)]
+    least = min(fitted, key=lambda one: one.fit.cost)
+    return least if least.fit.cost < SEARCH.late_creep_cost * best.fit.cost else None

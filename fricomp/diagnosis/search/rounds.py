@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from ..effects.structure import N_BASE
 from .late_creep import find_late_creep
 from .late_joint import find_far_joint, measure_left
 from .late_noise import remeasure_noise
@@ -45,20 +46,22 @@ def search_in_rounds(
 def _search_with_creep(
     baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
 ) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
-    """Search again with friction that creeps, where it may beside what was found, and leaves less that way."""
+    """Search again with friction that creeps, where what was found leaves less beside it; keep it where it leaves far
+    less, or the search does."""
     creeps = find_late_creep(baseline, found)
     if creeps is None:
         return base, baseline, found
     tell("searching again, with friction that creeps")
-    creeping = partial(base, creeps=creeps)
+    creeping = partial(base, creeps=creeps.fit.theta[:N_BASE])
     try:
         other = creeping()
     except FloatingPointError:
         return base, baseline, found
-    again = search(other, found.best)
-    if measure_left(other, again) >= measure_left(baseline, found):
-        return base, baseline, found
-    return creeping, other, again
+    again = search(other, creeps)
+    best = found.best or found.explanations[0]
+    is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
+    kept = is_clear or measure_left(other, again) < measure_left(baseline, found)
+    return (creeping, other, again) if kept else (base, baseline, found)
 
 
 def _search_from_joint(

@@ -113,6 +113,8 @@ class SearchSettings:
     """Residual over noise of the best explanation from which creep is tried beside it."""
     late_creep_cost: float = 0.75
     """Cost with creep, in that with a bristle, below which it is worth a search with creep."""
+    clear_creep_cost: float = 0.5
+    """The same, below which the joint creeps whatever that search leaves by its own noise."""
     body_held: float = 0.002
     """Relative deviation of inertia and gravity that are held at those of the simulation: narrow beside any error that
     matters, and wide enough for a fit to move."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..effects import EFFECTS, Context
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..joint.solver import Race
@@ -13,16 +15,16 @@ from .settings import SEARCH
 
 def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
     """Fit each other law of friction under load, and each other ripple at the order that was found, in place of that of
-    the best explanation, and such a law beside it; none where it has neither.
+    the best explanation, such a law beside it, and each other form of its effects, with the rest of it and without.
 
     A base without such friction has another gravity, and with it another load, and one without a strong ripple is bent
     far: from there one law may get no further than to another minimum, however well it would explain the joint that
-    another one has led to.
+    another one has led to. So may a form, and another effect then takes what it lacks.
     """
-    if not any(one.effect.follows_load or one.effect.ripple for one in best.settled):
-        return []
     contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
-    wanted = _list_loads(best, contexts[0]) + _list_ripples(best, contexts[0])
+    wanted = _list_loads(best, contexts[0]) + _list_ripples(best, contexts[0]) + _list_forms(best, contexts)
+    if not wanted:
+        return []
     race = Race(baseline.fit.cost, best.fit.cost)
     fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, race=race)
     return polish(baseline, fitted, iterations=SEARCH.last_steps, lead=best.fit.cost)
@@ -45,6 +47,20 @@ def _list_ripples(best: Explanation, context: Context) -> list[tuple[Candidate, 
     for own in (one for one in best.settled if one.name in kind):
         rest, order = tuple(one for one in best.settled if one.name != own.name), dict(own.values)["order"]
         wanted += [(*rest, _start(name, context).at_order(order)) for name in others]
+    return wanted
+
+
+def _list_forms(best: Explanation, contexts: Sequence[Context]) -> list[tuple[Candidate, ...]]:
+    """Each effect in its other forms, by what its starts hold fixed, from its values: beside the rest, and alone."""
+    wanted = []
+    for own in best.settled:
+        fixed = [one.name for one in own.list_parameters(contexts) if one.scale == 0.0]
+        values, rest = dict(own.values), tuple(one for one in best.settled if one.name != own.name)
+        starts = own.effect.propose_starts(contexts) if fixed else []
+        forms = {tuple(start[name] for name in fixed) for start in starts if all(name in start for name in fixed)}
+        for form in sorted(forms - {tuple(values[name] for name in fixed)}):
+            other = Candidate(own.name, tuple((values | dict(zip(fixed, form, strict=True))).items()))
+            wanted += [(*kept, other) for kept in sorted({rest, ()}, key=len)]
     return wanted
 
 

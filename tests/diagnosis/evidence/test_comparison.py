@@ -67,10 +67,20 @@ def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_al
 
 
 def test_a_common_factor_that_the_inertia_is_not_seen_to_follow_is_a_payload() -> None:
-    given = RigidJoint(0.3 / 0.997, (1.0 / 0.997, 6.0 / 0.997), 0.0, 0.0, 0.0, True)
+    given = RigidJoint(0.3 / 0.995, (1.0 / 0.995, 6.0 / 0.995), 0.0, 0.0, 0.0, True)
     (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).shifts
     assert effect.name == "payload_error"
     assert effect.alike == ("torque_gain_error",)
+
+
+@pytest.mark.parametrize("level", [0.5, 2.0])
+def test_a_shift_whose_torque_is_less_than_a_hundredth_of_the_friction_is_none(level: float) -> None:
+    """A simulator that damps implicitly makes an inertia larger by its step, however surely that is seen."""
+    plant = replace(_PLANT, forward=(level, level, 0.05, 1.0), reverse=(level, level, 0.05, 1.0))
+    moved = 0.01 * level / (0.3 * _BRISK)
+    for times, named in ((0.8, False), (1.3, True)):
+        given = RigidJoint(0.3 / (1.0 + times * moved), (1.0, 6.0), 0.0, 0.0, 0.0, True)
+        assert bool(compare_rigid(plant, _SURE, given, "N·m", PLAIN, _BRISK).shifts) is named
 
 
 _CARRIAGE = replace(_PLANT, inertia=24.0, gravity=(0.0, 0.0), offset=120.0)
@@ -109,7 +119,7 @@ def test_a_mass_that_alone_is_seen_to_be_off_is_no_gain() -> None:
 
 def test_an_inertia_is_known_the_better_the_more_there_is_to_accelerate() -> None:
     """Friction of slightly another form leans on the inertia by a part of its own torque."""
-    given = RigidJoint(0.3 / 1.005, (1.0, 6.0), 0.0, 0.0, 0.0, True)
+    given = RigidJoint(0.3 / 1.008, (1.0, 6.0), 0.0, 0.0, 0.0, True)
     (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).shifts
     assert effect.name == "inertia_error"
     assert not compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).shifts

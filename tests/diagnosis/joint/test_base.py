@@ -50,7 +50,10 @@ def test_the_prior_binds_the_difference_of_the_directions_and_not_their_mean() -
     both, apart = np.zeros(len(BASE_NAMES)), np.zeros(len(BASE_NAMES))
     both[_COULOMB], apart[_COULOMB] = [1.0, 1.0], [0.5, -0.5]
     assert both @ box.precision @ both == pytest.approx(0.0, abs=1e-12)
-    # A difference of a fifth of the mean is one standard deviation.
+    # A difference of a fifth of the mean is one standard deviation, of the Coulomb and of the static torque.
+    assert apart @ box.precision @ apart == pytest.approx(2.0 * (1.0 / (0.2 * _PLANT.level)) ** 2)
+    excess = [BASE_NAMES.index(f"{side}.excess") for side in ("forward", "reverse")]
+    apart[excess] = -apart[_COULOMB]
     assert apart @ box.precision @ apart == pytest.approx((1.0 / (0.2 * _PLANT.level)) ** 2)
     assert box.centre[_COULOMB[0]] == box.centre[_COULOMB[1]]
 
@@ -70,6 +73,13 @@ def test_the_domain_of_friction_is_a_matter_of_the_torque(coulomb: float, bound:
     for index in _COULOMB:
         assert bound[0] <= model.box.upper[index] <= bound[1]
         assert model.start[index] <= model.box.upper[index]
+
+
+def test_the_domain_of_viscous_friction_reaches_as_far_as_the_torque() -> None:
+    """A drive that lags bends the first estimate to hardly any, or to less than none."""
+    bent = replace(_PLANT, forward=(0.02, 0.02, 0.05, 0.0), reverse=(0.02, 0.02, 0.05, 0.0))
+    model = BaseModel.build_around(bent, delays=(-5e-4, 5e-4), top_speed=1.5, torques=(2.0, 6.0), rotary=True)
+    assert model.box.upper[BASE_NAMES.index("forward.viscous_coefficient")] >= 6.0 / 1.5
 
 
 def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
