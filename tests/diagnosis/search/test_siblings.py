@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fricomp.diagnosis.effects.structure import Candidate, Structure
+from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.search import siblings
 from fricomp.diagnosis.search.siblings import fit_siblings
 
@@ -36,6 +36,22 @@ _BESIDE = {("load_coulomb", "load_quadratic"), ("load_coulomb", "load_stribeck")
 def test_others_of_the_kind_are_tried_in_place_and_laws_of_load_beside(
     names: tuple[str, ...], wanted: set[tuple[str, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    tried = _keep_tried(monkeypatch)
+    baseline = known_baseline()
+    best = known_fit(baseline, names, 900.0)
+    candidates = tuple(
+        Candidate(one.name, (("order", 7.5),)) if one.effect.ripple else one for one in best.structure.candidates
+    )
+    best = replace(best, structure=replace(best.structure, candidates=candidates))
+    fit_siblings(baseline, best)
+    others = [one for one in tried if not set(one.names) <= set(names)]
+    assert {tuple(sorted(one.names)) for one in others} == wanted
+    orders = {dict(c.values)["order"] for one in others for c in one.candidates if c.effect.ripple}
+    assert orders == ({best.values["cogging"]["order"]} if "cogging" in names else set())
+
+
+def _keep_tried(monkeypatch: pytest.MonkeyPatch) -> list[Structure]:
+    """What is tried from now on, without a fit."""
     tried: list[Structure] = []
 
     def keep(_: object, pairs: list[tuple[Structure, object]], *__: object, **___: object) -> list[Any]:
@@ -45,13 +61,16 @@ def test_others_of_the_kind_are_tried_in_place_and_laws_of_load_beside(
     monkeypatch.setattr(siblings, "rebuild_contexts", lambda _, one: one.structure.contexts)
     monkeypatch.setattr(siblings, "fit_from", keep)
     monkeypatch.setattr(siblings, "polish", lambda _, fitted, **__: fitted)
+    return tried
+
+
+def test_the_other_form_of_an_effect_is_tried_beside_the_rest_and_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lag of the wrong order leaves what a power law of the speed draws."""
+    tried = _keep_tried(monkeypatch)
     baseline = known_baseline()
-    best = known_fit(baseline, names, 900.0)
-    candidates = tuple(
-        Candidate(one.name, (("order", 7.5),)) if one.effect.ripple else one for one in best.structure.candidates
-    )
-    best = replace(best, structure=replace(best.structure, candidates=candidates))
-    fit_siblings(baseline, best)
-    assert {tuple(sorted(one.names)) for one in tried} == wanted
-    orders = {dict(c.values)["order"] for one in tried for c in one.candidates if c.effect.ripple}
-    assert orders == ({best.values["cogging"]["order"]} if "cogging" in names else set())
+    best = known_fit(baseline, ("drive_lag", "quadratic_drag"), 900.0)
+    theta = best.fit.theta.copy()
+    theta[N_BASE + [one.name for _, one in best.structure.parameters].index("order")] = 2.0
+    fit_siblings(baseline, replace(best, fit=replace(best.fit, theta=theta)))
+    lags = [(one.names, dict(c.values)["order"]) for one in tried for c in one.candidates if c.name == "drive_lag"]
+    assert lags == [(("drive_lag",), 1.0), (("drive_lag", "quadratic_drag"), 1.0)]

@@ -30,7 +30,7 @@ class LoadQuadratic(Effect):
     citation = "duclusaud2025bam"
     says = "friction curves with the load, or differs between driving and braking"
     follows_load = True
-    gain_share = 0.998  # Two of its forms are nearly that of `load_coulomb`.
+    gain_share = 0.99  # Two of its forms are nearly that of `load_coulomb`, the usual law.
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0
