@@ -1,10 +1,11 @@
 """Intervals over models that the recording does not tell apart.
 
-Of friction over the curves that a joint may have. Coulomb and viscous friction are what a curve goes over into, and
-each curve has its own. An interval beside one of them says how well it is known if that is the curve; here all count by
-how probable they make the recording [hoeting1999], and none is narrower than beside the curve that was taken. No curve
-is one with an excess of zero, and nobody knows that a joint has exactly that: beside no curve at all, an excess too
-small to be taken in moves Coulomb and viscous friction by several of their deviations.
+Of friction over the curves that a joint may have, and over those beside a drag, which looks like a wide curve.
+Coulomb and viscous friction are what a curve goes over into, and each curve has its own. An interval beside one of them
+says how well it is known if that is the curve; here all count by how probable they make the recording [hoeting1999],
+and none is narrower than beside the curve that was taken. No curve is one with an excess of zero, and nobody knows that
+a joint has exactly that: beside no curve at all, an excess too small to be taken in moves Coulomb and viscous friction
+by several of their deviations.
 
 Of links over what was not taken in and is not improbable: another link that is far off, or a spring, moves what they
 weigh.
@@ -39,6 +40,10 @@ _TAIL = 0.025
 
 _POSITIVE = ("coulomb", "viscous")
 """Of `PLAIN`, what no joint has less than none of."""
+
+_DRAG = "quadratic_drag"
+"""What bends friction over the speed as no curve does, and alone is told from viscous friction at any strength: a power
+law of an exponent near one is the same."""
 
 _EXCESSES = 40
 """Steps in which an excess is averaged over; twice as many move no end by a thousandth of its interval."""
@@ -134,14 +139,15 @@ def _mix_curves(glance: Glance, model: ArmModel, joint: int, wider: float) -> _M
     """
     steps = (np.arange(_EXCESSES) + 0.5) / _EXCESSES
     evidence, mean, spread = [], [], []
-    for one, at in _solve_curves(glance, model, joint):
-        first = one.find_friction(joint)[0].start
+    for one in _solve_curves(glance, model, joint):
+        first, at = one.find_friction(joint)[0].start, _find_parameter(one, joint, "stribeck")
         plain = slice(first, first + len(PLAIN))
         excess = wider * float(np.sqrt(one.covariance[at, at]))
-        above = max(float(norm.cdf(one.x[at] / excess)), _LEAST_ABOVE)
+        above = _measure_above(one, at, wider)
+        dragged = _measure_above(one, _find_parameter(one, joint, _DRAG), wider) if _has(one, joint, _DRAG) else 1.0
         along = wider**2 * one.covariance[plain, at] / excess
         rest = np.sqrt(np.maximum(wider**2 * np.diag(one.covariance)[plain] - along**2, 0.0))
-        evidence.append(np.full(_EXCESSES, one.log_evidence + np.log(above)))
+        evidence.append(np.full(_EXCESSES, one.log_evidence + np.log(above) + np.log(dragged)))
         mean.append(one.x[plain] + np.outer(norm.isf(above * steps), along))
         spread.append(np.tile(rest, (_EXCESSES, 1)))
     logarithms = np.concatenate(evidence)
@@ -149,16 +155,31 @@ def _mix_curves(glance: Glance, model: ArmModel, joint: int, wider: float) -> _M
     return _Mixture(weights / weights.sum(), np.concatenate(mean), np.concatenate(spread))
 
 
-def _solve_curves(glance: Glance, model: ArmModel, joint: int) -> Iterator[tuple[ArmFit, int]]:
-    """Fits with each Stribeck curve in one joint, and the place of the excess; the curves stand still."""
+def _solve_curves(glance: Glance, model: ArmModel, joint: int) -> Iterator[ArmFit]:
+    """Fits with each Stribeck curve in one joint, with a drag and without; the curves stand still."""
     forms, pinned = list(model.forms), frozenset(one for one in model.pinned if one[0] != joint)
     plain = forms[joint].without_term("stribeck")
-    for k in range(len(TERMS["stribeck"].values)):
-        excess = TERMS["stribeck"].names(k)[0]
-        forms[joint] = plain.with_term("stribeck", k)
-        one = glance.solve(hold_curve(replace(model, forms=tuple(forms), pinned=pinned), joint))
-        place, names = one.find_friction(joint)
-        yield one, place.start + names.index(excess)
+    bent = [] if any(TERMS[name].family == "speed" for name in plain.names) else [plain.with_term(_DRAG, 0)]
+    for form in (plain, *bent):
+        for k in range(len(TERMS["stribeck"].values)):
+            forms[joint] = form.with_term("stribeck", k)
+            yield glance.solve(hold_curve(replace(model, forms=tuple(forms), pinned=pinned), joint))
+
+
+def _has(fit: ArmFit, joint: int, term: str) -> bool:
+    return term in fit.model.forms[joint].names
+
+
+def _find_parameter(fit: ArmFit, joint: int, term: str) -> int:
+    """Place of the first parameter of a joint's term in x."""
+    place, names = fit.find_friction(joint)
+    first = TERMS[term].names(dict(fit.model.forms[joint].terms)[term])[0]
+    return int(place.start) + names.index(first)
+
+
+def _measure_above(fit: ArmFit, at: int, wider: float) -> float:
+    """Probability that a parameter is not below zero."""
+    return max(float(norm.cdf(fit.x[at] / (wider * np.sqrt(fit.covariance[at, at])))), _LEAST_ABOVE)
 
 
 def _find_interval(mean: FloatArray, spread: FloatArray, weights: FloatArray) -> Interval:
