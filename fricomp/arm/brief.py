@@ -3,6 +3,7 @@ record alone."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from fricomp.diagnosis.effects import EFFECTS
@@ -258,8 +259,61 @@ def _list_numbers(effect: JointEffect) -> str:
 
 
 def _name_link(link: LinkRecord) -> str:
-    """With how much heavier it is, where its mass is what is off."""
+    """With how much heavier it is, where its mass is what is off, or how far off its centre would be at that mass."""
     low, high = (end - link.simulated_mass for end in link.mass.ci95)
     if low <= 0.0 <= high:
-        return f"{link.name} (mass elsewhere)"
+        moved = [
+            one.value - link.simulated_first_moment[axis]
+            for axis, one in link.first_moment.items()
+            if axis in link.determined
+        ]
+        way = math.hypot(*moved) / max(link.simulated_mass, 1e-9)
+        return f"{link.name} (mass elsewhere, as if its centre were off by {1e3 * way:.2g} mm)"
     return f"{link.name} ({link.mass.value - link.simulated_mass:+.3g} kg)"
+
+
+def say_links(joints: Sequence[JointRecord]) -> str:
+    """That links alone are off, and how much of the torques that is."""
+    most = max(joints, key=lambda joint: joint.link_change)
+    return (
+        f"Only links are off, by {_show_share(most.link_change)} of the torque of {most.name} at most; no physics is "
+        "missing in any joint."
+    )
+
+
+def _show_share(part: float) -> str:
+    return f"{part:.0%}" if part >= 0.005 else "less than 1%"
+
+
+def say_link(link: LinkRecord) -> str:
+    """What is off of a link."""
+    gap = link.mass.value - link.simulated_mass
+    low, high = (end - link.simulated_mass for end in link.mass.ci95)
+    if low <= 0.0 <= high:
+        shown = {axis: one for axis, one in link.first_moment.items() if axis in link.determined}
+        moved = ", ".join(
+            f"{axis} {show_quantity(one)} for {link.simulated_first_moment[axis]:.3g} there"
+            for axis, one in (shown or link.first_moment).items()
+        )
+        where = f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}"
+        return f"{where}." if "mass" in link.determined else f"{where}; how heavy it is, this motion does not show."
+    way = "heavier" if gap > 0.0 else "lighter"
+    low, high = sorted((abs(low), abs(high)))
+    return f"{link.name} is {abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)."
+
+
+def show_quantity(quantity: Quantity) -> str:
+    """A value with its unit and interval."""
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    bound = f", {AT_BOUND}" if quantity.at_bound else ""
+    return f"{quantity.value:.3g}{unit} ({quantity.ci95[0]:.3g} to {quantity.ci95[1]:.3g}{bound})"
+
+
+def say_possible_spring(joint: JointRecord) -> str:
+    """A spring that links stand for as well; nothing where there is none."""
+    return (
+        f"{joint.name}: a spring or cable of {show_quantity(joint.possible_spring)} explains this recording as well as "
+        f"links that weigh what is said here; a motion over a wider range of {joint.name} tells them apart."
+        if joint.possible_spring is not None
+        else ""
+    )

@@ -10,14 +10,27 @@ from msgspec.structs import replace
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.laws import FloatArray
-from fricomp.overview import AT_BOUND
+from fricomp.root_mean_square import compute_rms
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import list_doubts, say_corrections, say_shared_causes, say_tilt, say_unexplained, say_what, write_summary
+from .brief import (
+    list_doubts,
+    say_corrections,
+    say_link,
+    say_links,
+    say_possible_spring,
+    say_shared_causes,
+    say_tilt,
+    say_unexplained,
+    say_what,
+    show_quantity,
+    write_summary,
+)
 from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .fit import Z95, ArmFit
 from .friction import TERMS
+from .identification import ArmIdentification
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
@@ -33,12 +46,12 @@ _Z_OFF = 3.5
 """Standard deviations by which a link must be off: with four numbers of each of seven links, one in a hundred healthy
 arms reaches them."""
 
+_AXES = ("x", "y", "z")
+
 _UNEVEN = (
     "The stamps are not the instants at which rows were sampled: how far the joints came, over their velocities, says "
     "that states of even periods were read, some twice and some never; rows count where they were sampled."
 )
-
-_AXES = ("x", "y", "z")
 
 
 def write_record(answer: ArmAnswer) -> ArmRecord:
@@ -140,6 +153,7 @@ def _describe_joint(
         unexplained=answer.measure_unexplained(joint),
         stiffness=measure_stiffness(found, joint),
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
+        link_change=_measure_link_change(found, joint),
     )
 
 
@@ -198,7 +212,14 @@ def _unit_of(name: str, torque: str, position: str) -> str:
     return f"1/{torque}" if name.startswith("load_quadratic") else torque
 
 
+def _measure_link_change(found: ArmIdentification, joint: int) -> float:
+    """RMS of what links as found change of a joint's torque beside those of the simulation, as part of that torque."""
+    change = found.rows.links[:, joint] @ (found.fit.inertia - found.fit.arm.inertia).ravel()
+    return float(compute_rms(change) / max(compute_rms(found.rows.torque[:, joint]), 1e-300))
+
+
 def _describe_link(answer: ArmAnswer, link: int, intervals: FloatArray) -> LinkRecord:
+    """What is said of one link, by the intervals of its mass and first moments. Shape (4, 2)."""
     fit = answer.identification.fit
     at = slice(N_INERTIA * link, N_INERTIA * (link + 1))
     slope = fit.arm.link_coordinates[link].jacobian(fit.x[at])
@@ -212,6 +233,7 @@ def _describe_link(answer: ArmAnswer, link: int, intervals: FloatArray) -> LinkR
         simulated_mass=float(simulated[0]),
         mass=Quantity(float(value[0]), "kg", ends[0]),
         first_moment={axis: Quantity(float(value[k]), "kg·m", ends[k]) for k, axis in enumerate(_AXES, start=1)},
+        simulated_first_moment={axis: float(simulated[k]) for k, axis in enumerate(_AXES, start=1)},
         state=_judge_link(value[:4] - simulated[:4], spread, determined, link in fit.model.opened),
         determined=tuple(name for name, known in zip(("mass", *_AXES), determined, strict=True) if known),
     )
@@ -233,7 +255,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         if named
         else doubts[0]
         if doubts
-        else "Only the masses of links are off; no physics is missing in any joint."
+        else say_links(record.joints)
         if off
         else "Nothing is missing: links and joints are as simulated, with plain friction."
     )
@@ -243,24 +265,15 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         *say_corrections(record),
         *say_shared_causes(record.joints),
         *(_say_joint(joint) for joint in record.joints),
-        *(_say_link(link) for link in record.links if link.state == "off"),
+        *(say_link(link) for link in record.links if link.state == "off"),
         *_say_undetermined(record),
         *(
-            f"The gear of {joint.name} gives way by {_show(joint.stiffness)}, as its two encoders show."
+            f"The gear of {joint.name} gives way by {show_quantity(joint.stiffness)}, as its two encoders show."
             for joint in record.joints
             if joint.stiffness is not None
         ),
-        *(_say_possible_spring(joint) for joint in record.joints if joint.possible_spring is not None),
+        *(say_possible_spring(joint) for joint in record.joints if joint.possible_spring is not None),
         *_say_signal(record),
-    )
-
-
-def _say_possible_spring(joint: JointRecord) -> str:
-    return (
-        f"{joint.name}: a spring or cable of {_show(joint.possible_spring)} explains this recording as well as links "
-        f"that weigh what is said here; a motion over a wider range of {joint.name} tells them apart."
-        if joint.possible_spring is not None
-        else ""
     )
 
 
@@ -274,32 +287,13 @@ def _say_joint(joint: JointRecord) -> str:
 
 
 def _say_effect(effect: JointEffect) -> str:
-    numbers = ", ".join(f"{name.replace('_', ' ')} {_show(one)}" for name, one in effect.parameters.items())
+    numbers = ", ".join(f"{name.replace('_', ' ')} {show_quantity(one)}" for name, one in effect.parameters.items())
     names = (*effect.indistinguishable_from, *(f"{link} weighing something else" for link in effect.links_instead))
     alike = f", or {' or '.join(names)}" if names else ""
     return (
         f"{effect.name}{alike}: {say_what(effect)} [{effect.equation}]; {numbers}; it lowers the error by "
         f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording"
     )
-
-
-def _show(quantity: Quantity) -> str:
-    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    bound = f", {AT_BOUND}" if quantity.at_bound else ""
-    return f"{quantity.value:.3g}{unit} ({quantity.ci95[0]:.3g} to {quantity.ci95[1]:.3g}{bound})"
-
-
-def _say_link(link: LinkRecord) -> str:
-    gap = link.mass.value - link.simulated_mass
-    low, high = (end - link.simulated_mass for end in link.mass.ci95)
-    if low <= 0.0 <= high:
-        shown = {axis: one for axis, one in link.first_moment.items() if axis in link.determined}
-        moved = ", ".join(f"{axis} {_show(one)}" for axis, one in (shown or link.first_moment).items())
-        where = f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}"
-        return f"{where}." if "mass" in link.determined else f"{where}; how heavy it is, this motion does not show."
-    way = "heavier" if gap > 0.0 else "lighter"
-    low, high = sorted((abs(low), abs(high)))
-    return f"{link.name} is {abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)."
 
 
 def _say_undetermined(record: ArmRecord) -> tuple[str, ...]:

@@ -109,6 +109,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         stiffness: Of its gear, where the motor's position was recorded and the gear gives way.
         possible_spring: Stiffness of a spring that is not named and explains the recording as well as links that weigh
             what is said of them; None where the recording speaks against one.
+        link_change: What the links as found change of the joint's torque beside those of the simulation, as part of
+            that torque; both RMS over the recording.
     """
 
     name: str
@@ -123,6 +125,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     files: FileErrors | None = None
     stiffness: Quantity | None = None
     possible_spring: Quantity | None = None
+    link_change: float = 0.0
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -136,6 +139,7 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
         state: Whether it is as simulated, off, or not determined by this motion.
         determined: Which of "mass", "x", "y", "z" this motion determines: the recording at least halves what was
             uncertain before. The others are mostly what the simulation has.
+        simulated_first_moment: In the simulation [kg·m].
     """
 
     name: str
@@ -144,6 +148,7 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
     first_moment: dict[str, Quantity]
     state: LinkState
     determined: tuple[str, ...] = ()
+    simulated_first_moment: dict[str, float] = {}
 
 
 class JointFrame(msgspec.Struct, frozen=True, kw_only=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fricomp.arm.brief import say_unexplained, write_summary, write_title
+from fricomp.arm.brief import say_links, say_unexplained, write_summary, write_title
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
@@ -34,7 +34,11 @@ def _joint(name: str, level: float | None) -> JointRecord:
 
 def _link(name: str, mass: float, state: LinkState) -> LinkRecord:
     found = Quantity(mass, "kg", (mass - 0.2, mass + 0.2))
-    return LinkRecord(name=name, simulated_mass=2.0, mass=found, first_moment={}, state=state)
+    moment = {"x": Quantity(0.05, "kg·m", (0.04, 0.06)), "y": Quantity(0.3, "kg·m", (-1.0, 1.0))}
+    return LinkRecord(
+        name=name, simulated_mass=2.0, mass=found, first_moment=moment, state=state, determined=("x",),
+        simulated_first_moment={"x": 0.03, "y": 0.0},
+    )  # fmt: skip
 
 
 def _record(joints: tuple[JointRecord, ...], links: tuple[LinkRecord, ...] = ()) -> ArmRecord:
@@ -54,7 +58,7 @@ def test_what_to_do_comes_second_and_an_effect_of_two_joints_is_told_once() -> N
     assert told[1].startswith("To do: simulate with arm.xml")
     effect, off, unknown = told[2:]
     assert effect.endswith("[c |tau|]; a coefficient 0.1; b (or load_quadratic) coefficient 0.2.")
-    assert off == "Links that are off: upper (+2 kg), hand (mass elsewhere)."
+    assert off == "Links that are off: upper (+2 kg), hand (mass elsewhere, as if its centre were off by 10 mm)."
     assert unknown == "Not shown by this motion: the mass of base."
 
 
@@ -114,3 +118,9 @@ def test_the_title_says_no_more_than_the_answer() -> None:
     assert write_title(_record((_joint("c", 0.1), left))).endswith("physics is missing")
     frames = (JointFrame(joint="a", direction=-1, offset=0.0),)
     assert write_title(replace(_record((fine, left)), better_frames=frames)).endswith("in doubt")
+
+
+def test_links_that_are_off_by_little_are_told_to_be() -> None:
+    little, much = (replace(_joint(name, None), link_change=part) for name, part in (("a", 0.002), ("b", 0.03)))
+    assert say_links((little, much)).startswith("Only links are off, by 3% of the torque of b at most")
+    assert "by less than 1% of the torque of a" in say_links((little,))
