@@ -237,7 +237,7 @@ def say_tilt(tilt: Mapping[str, Quantity]) -> str:
 
 def _say_what_to_do(*, named: bool, off: bool) -> str:
     if not named and not off:
-        return "To do: nothing of the links; arm.xml and joints/NAME/friction.json hold the friction."
+        return "To do: nothing of single links; arm.xml holds all as found, joints/NAME/friction.json the friction."
     friction = "compensate with joints/NAME/friction.json"
     return f"To do: simulate with arm.xml, which holds these links and frictions; {friction}."
 
@@ -278,6 +278,15 @@ def say_links(joints: Sequence[JointRecord]) -> str:
     return (
         f"Only links are off, by {_show_share(most.link_change)} of the torque of {most.name} at most; no physics is "
         "missing in any joint."
+    )
+
+
+def say_nothing_missing(joints: Sequence[JointRecord]) -> str:
+    """That nothing is, and how much of the torques links change that are each as simulated, one by one."""
+    most = max(joints, key=lambda joint: joint.link_change)
+    return (
+        "Nothing is missing: joints have plain friction, and links are as simulated but for "
+        f"{_show_share(most.link_change)} of the torque of {most.name}."
     )
 
 

@@ -18,6 +18,7 @@ from .brief import (
     say_corrections,
     say_link,
     say_links,
+    say_nothing_missing,
     say_possible_spring,
     say_shared_causes,
     say_tilt,
@@ -257,7 +258,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         if doubts
         else say_links(record.joints)
         if off
-        else "Nothing is missing: links and joints are as simulated, with plain friction."
+        else say_nothing_missing(record.joints)
     )
     return (
         opening,

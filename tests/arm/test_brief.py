@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fricomp.arm.brief import say_links, say_unexplained, write_summary, write_title
+from fricomp.arm.brief import say_links, say_nothing_missing, say_unexplained, write_summary, write_title
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
@@ -124,3 +124,4 @@ def test_links_that_are_off_by_little_are_told_to_be() -> None:
     little, much = (replace(_joint(name, None), link_change=part) for name, part in (("a", 0.002), ("b", 0.03)))
     assert say_links((little, much)).startswith("Only links are off, by 3% of the torque of b at most")
     assert "by less than 1% of the torque of a" in say_links((little,))
+    assert say_nothing_missing((little, much)).endswith("as simulated but for 3% of the torque of b.")
