@@ -25,8 +25,11 @@ _ARM = """<mujoco><worldbody>
 </body></body></worldbody></mujoco>"""
 
 
-def _session(payload: float, seed: int, seconds: float = 25.0) -> list[Recording]:
-    """Both joints of the arm on a motion of their own, with a point mass 0.3 m along the forearm."""
+def _session(payload: float, seed: int, seconds: float = 25.0, *, stops: bool = False) -> list[Recording]:
+    """Both joints of the arm on a motion of their own, with a point mass 0.3 m along the forearm.
+
+    With stops they stand for two of five seconds, and friction there is anything up to its level.
+    """
     mujoco = pytest.importorskip("mujoco")
     model = mujoco.MjModel.from_xml_string(_ARM)
     data, rng = mujoco.MjData(model), np.random.default_rng(seed)
@@ -38,6 +41,15 @@ def _session(payload: float, seed: int, seconds: float = 25.0) -> list[Recording
             q[:, joint] += size * np.sin(w * t + angle)
             v[:, joint] += size * w * np.cos(w * t + angle)
             a[:, joint] -= size * w * w * np.sin(w * t + angle)
+    rubbed = np.sign(v)
+    if stops:
+        rate = np.clip(2.0 * np.cos(0.4 * np.pi * t) + 0.6, 0.0, 1.0)
+        along, change = np.cumsum(rate) / 200.0, np.gradient(rate, t)
+        at = [np.interp(along, t, one) for each in (q, v, a) for one in each.T]
+        q, v, a = (np.stack(at[k : k + 2], axis=1) for k in (0, 2, 4))
+        v, a = v * rate[:, None], a * rate[:, None] ** 2 + v * change[:, None]
+        stop = np.floor(0.2 * t).astype(int)
+        rubbed = np.where(rate[:, None] > 0.0, np.sign(v), rng.uniform(-1.0, 1.0, (stop.max() + 1, 2))[stop])
     model.body_mass[2], total = 1.5 + payload, 1.5 + payload
     centre = (1.5 * 0.15 + payload * 0.3) / total
     model.body_ipos[2] = [centre, 0.0, 0.0]
@@ -48,7 +60,7 @@ def _session(payload: float, seed: int, seconds: float = 25.0) -> list[Recording
         data.qpos[:], data.qvel[:], data.qacc[:] = q[k], v[k], a[k]
         mujoco.mj_inverse(model, data)
         torque[k] = data.qfrc_inverse
-    torque += 1.2 * np.sign(v) + 0.6 * v + 0.1 * rng.standard_normal(q.shape)
+    torque += 1.2 * rubbed + 0.6 * v + 0.1 * rng.standard_normal(q.shape)
     names = ("shoulder", "elbow")
     return [Recording(t, q[:, i], torque[:, i], metadata=RecordingMetadata(joint=names[i])) for i in range(2)]
 
@@ -72,6 +84,15 @@ def test_a_payload_is_found_with_its_mass(arm: Path) -> None:
     assert "first_moment_y" not in effect.parameters, "both axes are parallel to it"
     assert diagnosis.sentences[1].startswith("It shows most in the torque of shoulder (")
     assert ", elbow (" in diagnosis.sentences[1]
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_stops_of_pick_and_place_say_nothing_of_a_payload(arm: Path, seed: int) -> None:
+    """A joint that stands takes any torque up to its friction, which came as mass, with intervals beside the truth."""
+    sessions = [_session(0.0, seed, 60.0, stops=True), _session(0.8, 10 + seed, 60.0, stops=True)]
+    mass = diagnose([*sessions[0], *sessions[1]], arm).effects[0].parameters["mass"]
+    assert mass.value == pytest.approx(0.8, rel=0.05)
+    assert mass.ci95[0] - 0.01 < 0.8 < mass.ci95[1] + 0.01
 
 
 @pytest.mark.parametrize("name", ["gripper", "wrist"])

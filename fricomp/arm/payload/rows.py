@@ -108,10 +108,14 @@ class JointRows:
 
 
 def build_joint_rows(j: int, rows: Sequence[SessionRows], gains: Sequence[float]) -> JointRows:
-    """Of one joint; of a single session the links are known, and the payload is what they leave."""
+    """Of one joint, where it moves: one that stands takes any torque up to its friction.
+
+    Of a single session the links are known, and the payload is what they leave.
+    """
     torque = np.concatenate([one.torque[:, j] * gain for one, gain in zip(rows, gains, strict=True)])
     v = np.concatenate([one.velocity[:, j] for one in rows])
-    sign = np.tanh(v / (SETTINGS.slow * max(float(np.quantile(np.abs(v), SETTINGS.top)), 1e-12)))
+    slow = SETTINGS.slow * max(float(np.quantile(np.abs(v), SETTINGS.top)), 1e-12)
+    sign, moves = np.tanh(v / slow), np.abs(v) >= slow
     friction = np.column_stack([np.ones_like(v), v, sign])
     if len(rows) == 1:
         payload, load = rows[0].payload[:, j], rows[0].simulated[:, j]
@@ -121,12 +125,12 @@ def build_joint_rows(j: int, rows: Sequence[SessionRows], gains: Sequence[float]
         payload = np.concatenate([k * one.payload[:, j] for k, one in enumerate(rows)])
         plain, n = np.column_stack([bodies, friction]), bodies.shape[1]
         rigid = np.column_stack([plain, payload])
-        load = rigid[:, :n] @ np.linalg.lstsq(rigid, torque, rcond=SETTINGS.rank)[0][:n]
-    own = np.column_stack([plain, v * np.abs(v), np.abs(load) * sign])
+        load = rigid[:, :n] @ np.linalg.lstsq(rigid[moves], torque[moves], rcond=SETTINGS.rank)[0][:n]
+    own = np.column_stack([plain, v * np.abs(v), np.abs(load) * sign])[moves]
     size = np.linalg.norm(own, axis=0)
     seen = size > SETTINGS.dust * size.max()
     U, s, _ = np.linalg.svd(own[:, seen] / size[seen], full_matrices=False)
     lengths = [one.torque.shape[0] for one in rows]
     fold = np.concatenate([np.arange(n) * SETTINGS.folds // n for n in lengths])
     test = np.concatenate([np.arange(n) >= n * (1.0 - SETTINGS.test_share) for n in lengths])
-    return JointRows(U[:, s > SETTINGS.rank * s[0]], payload, torque, fold, test)
+    return JointRows(U[:, s > SETTINGS.rank * s[0]], payload[moves], torque[moves], fold[moves], test[moves])
