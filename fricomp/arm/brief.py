@@ -113,7 +113,7 @@ def say_unexplained(record: ArmRecord) -> tuple[str, ...]:
     held = f" joints that moved and were not recorded ({', '.join(record.held_joints)})," if record.held_joints else ""
     return (
         f"Something is left that neither links nor any effect that was tried explain, in {joints}: such as{held} a "
-        "base that moves or gives way, cables, contact, or a load that changes.",
+        "base that moves or gives way, cables, a hand or another contact, or a load that changes.",
     )
 
 
