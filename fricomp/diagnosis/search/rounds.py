@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+import numpy as np
+
 from ..effects.structure import N_BASE
 from .late_creep import find_late_creep
 from .late_joint import find_far_joint, measure_left
@@ -55,9 +57,9 @@ def _search_with_creep(
     creeping = partial(base, creeps=creeps.fit.theta[:N_BASE])
     try:
         other = creeping()
-    except FloatingPointError:
+        again = search(other, creeps)
+    except (FloatingPointError, np.linalg.LinAlgError):  # without the effects such a joint may run away
         return base, baseline, found
-    again = search(other, creeps)
     best = found.best or found.explanations[0]
     is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
     kept = is_clear or measure_left(other, again) < measure_left(baseline, found)
