@@ -185,15 +185,16 @@ def _add_ringing(context: Context, t: Transmission, carried: FloatArray) -> Floa
     n = min(carried.size, round(EFFECT.ringing / (ratio * rate * context.dt)))
     usual = t.inertia * compute_rms(context.acceleration)
     swing = usual * np.exp(rate * (-ratio + 1j * np.sqrt(1.0 - ratio**2)) * context.time[:n])
-    slides = np.abs(context.velocity[:n]) > context.stribeck_velocity[:n]
-    columns = np.stack([swing.real, swing.imag], axis=1)[slides]
-    left = (context.recorded - context.torque - carried)[:n][slides]
-    if left.size <= columns.shape[1]:
+    slides = np.abs(context.velocity) > context.stribeck_velocity
+    left = context.recorded - context.torque - carried
+    columns, shown = np.stack([swing.real, swing.imag], axis=1)[slides[:n]], left[:n][slides[:n]]
+    if shown.size == 0:
         return carried
-    # Ridge regression: each coefficient is a standard normal number beforehand, beside the noise that both leave.
-    plain = left - columns @ np.linalg.lstsq(columns, left, rcond=None)[0]
-    noise = max(float(np.mean(plain**2)), np.finfo(np.float64).tiny)
-    along = np.linalg.solve(columns.T @ columns + noise * np.eye(2), columns.T @ left)
+    # Ridge regression: each coefficient is a standard normal number beforehand, beside what all sliding rows leave,
+    # which is about the same for a period. A few samples late in the swing then tell next to nothing of its beginning.
+    alike = max(2.0 * np.pi / (rate * context.dt), 1.0)
+    noise = alike * max(float(np.mean(left[slides] ** 2)), np.finfo(np.float64).tiny)
+    along = np.linalg.solve(columns.T @ columns + noise * np.eye(2), columns.T @ shown)
     carried[:n] += along[0] * swing.real + along[1] * swing.imag
     return carried
 

@@ -15,11 +15,12 @@ _CREEP = BASE_NAMES.index("creep_velocity")
 
 
 def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | None:
-    """Find the best explanation with friction that creeps in place of a bristle, where it leaves clearly less so; None
-    elsewhere.
+    """Find the best explanation, or the strongest of its effects alone, with friction that creeps, where that leaves
+    clearly less than a bristle; None elsewhere.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. What a
-    bristle cannot do then, a power law of the speed draws, a drag or a transmission that gives way.
+    bristle cannot do then, a power law of the speed draws, a drag or a transmission that gives way: beside those,
+    nothing may be left for the creep to explain.
 
     Args:
         baseline: The base that was searched with.
@@ -31,8 +32,15 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
     residual = best.fit.residual
     if found.best is None and float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size:
         return None
-    starts = propose_creep_starts(best.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
-    structure = Structure(best.structure.contexts, best.settled)
-    fitted = [one for start, box in starts for one in fit_from(baseline, [(structure, start)], box)]
+    alone = [e for e in found.explanations if len(e.names) == 1 and set(e.names) < set(best.names) and not e.refused]
+    tried = [best, *alone[:1]]  # explanations are sorted by what they gain
+    fitted = [creeping for one in tried for creeping in _fit_creeping(baseline, one)]
     least = min(fitted, key=lambda one: one.fit.cost)
     return least if least.fit.cost < SEARCH.late_creep_cost * best.fit.cost else None
+
+
+def _fit_creeping(baseline: Baseline, explanation: Explanation) -> list[Explanation]:
+    """The same effects beside friction that creeps, from each of its starts."""
+    starts = propose_creep_starts(explanation.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
+    structure = Structure(explanation.structure.contexts, explanation.settled)
+    return [one for start, box in starts for one in fit_from(baseline, [(structure, start)], box)]

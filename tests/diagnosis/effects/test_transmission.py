@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fricomp.diagnosis.effects import EFFECTS, Context
+from fricomp.diagnosis.effects.settings import EFFECT
 from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, Transmission, compute_carried, compute_twist
 from fricomp.diagnosis.joint.observer import Plant
 
@@ -183,6 +184,18 @@ def test_a_load_may_swing_when_a_recording_begins(twist: float, rate: float, con
     found = compute_carried(recorded, load)
     inner = slice(50, -50)
     assert np.std((found - drawn)[inner]) < 0.03 * np.std(drawn[inner])
+
+
+@pytest.mark.parametrize("samples", [1, 3, 20])
+def test_a_few_samples_late_in_a_swing_tell_next_to_nothing(samples: int, context: Context) -> None:
+    """Two numbers would meet them exactly, and make the beginning of a swing that dies away as large as they like."""
+    load = Transmission(0.3, 0.3 * 70.0**2, 0.02)
+    swings = round(EFFECT.ringing / (0.02 * 70.0 * context.dt))
+    assert swings < context.time.size
+    slides = np.arange(context.time.size) >= swings - samples
+    recorded = replace(context, recorded=np.where(slides, 20.0, 0.0), velocity=np.where(slides, 1e3, 0.0))
+    swing = compute_carried(recorded, load) - compute_carried(replace(recorded, velocity=0.0 * slides), load)
+    assert np.max(np.abs(swing)) < 0.1 * np.std(context.acceleration) * load.inertia
 
 
 def test_no_swing_is_looked_for_where_the_joint_may_stick(context: Context) -> None:
