@@ -158,8 +158,8 @@ def test_of_a_log_with_a_gripper_beside_it_the_only_joint_of_a_simulation_is_tak
     np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=",".join(["time", *names]), comments="")
     said = call("diagnose", tmp_path / "log.csv", "--simulation", tmp_path / "joint.xml", "--out", tmp_path / "out")
     assert said.returncode == EXIT_BAD_DATA
-    assert "flip its sign" in said.stdout
-    assert "'elbow' alone" in said.stderr
+    assert "flip its sign" in " ".join(said.stdout.split())
+    assert "'elbow' alone" in " ".join(said.stderr.split())
 
 
 def test_simulated_and_simulation_exclude_each_other(tmp_path: Path) -> None:
