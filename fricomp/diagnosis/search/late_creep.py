@@ -26,9 +26,9 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
         baseline: The base that was searched with.
         found: What the search found.
     """
-    if not found.explanations or baseline.fit.theta[_CREEP] > 0.0:
+    best = found.leading
+    if best is None or baseline.fit.theta[_CREEP] > 0.0:
         return None
-    best = found.best or found.explanations[0]
     residual = best.fit.residual
     if found.best is None and float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size:
         return None

@@ -50,8 +50,8 @@ def _search_with_creep(
 ) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
     """Search again with friction that creeps, where what was found leaves less beside it; keep it where it leaves far
     less, or the search does."""
-    creeps = find_late_creep(baseline, found)
-    if creeps is None:
+    creeps, best = find_late_creep(baseline, found), found.leading
+    if creeps is None or best is None:
         return base, baseline, found
     tell("searching again, with friction that creeps")
     creeping = partial(base, creeps=creeps.fit.theta[:N_BASE])
@@ -60,7 +60,6 @@ def _search_with_creep(
         again = search(other, creeps)
     except (FloatingPointError, np.linalg.LinAlgError):  # without the effects such a joint may run away
         return base, baseline, found
-    best = found.best or found.explanations[0]
     is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
     kept = is_clear or measure_left(other, again) < measure_left(baseline, found)
     return (creeping, other, again) if kept else (base, baseline, found)

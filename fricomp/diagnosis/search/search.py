@@ -47,6 +47,11 @@ class SearchResult:
     explainable_null: float
     first: Screen
 
+    @property
+    def leading(self) -> Explanation | None:
+        """The best accepted explanation, else the one that gains most; None where none was refitted."""
+        return self.best or next(iter(self.explanations), None)
+
 
 def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult:
     """Find the effects that explain the residual of the base.

@@ -179,9 +179,13 @@ class BlockMotion(NamedTuple):
     rows: NDArray[np.bool_]
     width: int
 
+    def average_all(self, values: Samples) -> Samples:
+        """Means of samples over all blocks. Shape (n_blocks,)."""
+        return np.asarray(values[: self.time.size * self.width].reshape(-1, self.width).mean(axis=1))
+
     def average(self, values: Samples) -> Samples:
         """Means of samples over the blocks that slide. Shape (n_rows,)."""
-        return np.asarray(values[: self.time.size * self.width].reshape(-1, self.width).mean(axis=1)[self.rows])
+        return self.average_all(values)[self.rows]
 
 
 def fit_joint(recording: Recording, torque: Samples | None = None, delay: float = 0.0) -> JointFit | None:

@@ -42,7 +42,7 @@ def find_silent_rows(recording: Recording) -> Rows:
     motion = average_motion(recording)
     if motion is None or recording.metadata.torque_kind == "commanded":
         return rows
-    torque, rotary = _average(np.asarray(recording.torque), motion), recording.metadata.motion == "rotary"
+    torque, rotary = motion.average_all(np.asarray(recording.torque)), recording.metadata.motion == "rotary"
     quiet, braked = _find_quiet(torque, motion), _find_braked(torque, motion)
     for found, fewest in ((quiet, _FEWEST), (braked, _FEWEST_BRAKED)):
         if found.any() and _needs_torque(torque, found, motion, fewest, rotary=rotary):
@@ -50,8 +50,10 @@ def find_silent_rows(recording: Recording) -> Rows:
     return rows
 
 
-def _average(values: Samples, motion: BlockMotion) -> Samples:
-    return np.asarray(values[: motion.time.size * motion.width].reshape(-1, motion.width).mean(axis=1))
+def _list_stretches(rows: Rows) -> list[tuple[int, int]]:
+    """Start and end, exclusive, of each stretch of blocks."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]]).astype(int)))
+    return [(int(start), int(stop)) for start, stop in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _find_quiet(torque: Samples, motion: BlockMotion) -> Rows:
@@ -59,8 +61,7 @@ def _find_quiet(torque: Samples, motion: BlockMotion) -> Rows:
     count = max(1, round(_SMOOTH / float(np.median(np.diff(motion.time)))))
     smooth = np.abs(np.convolve(torque, np.ones(count) / count, "same"))
     low = smooth < _NOTHING * float(np.median(np.abs(torque[motion.rows])))
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], low, [False]]).astype(int)))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in _list_stretches(low):
         if motion.time[stop - 1] - motion.time[start] < _SHORTEST or not motion.rows[start:stop].any():
             low[start:stop] = False
     return low
@@ -70,8 +71,7 @@ def _find_braked(torque: Samples, motion: BlockMotion) -> Rows:
     """Blocks in which the joint still moves while the torque is exactly 0, and stays so for long: the drive is off."""
     zero: Rows = np.asarray(torque == 0.0)
     top = float(np.max(np.abs(motion.velocity)))
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], zero, [False]]).astype(int)))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+    for start, stop in _list_stretches(zero):
         if motion.time[stop - 1] - motion.time[start] < _SHORTEST:
             zero[start:stop] = False
         moving = np.flatnonzero(np.abs(motion.velocity[start:stop]) > _AT_REST * top)
