@@ -22,8 +22,6 @@ from fricomp.calibration.sweep import (
 from fricomp.calibration.sweep import calibrate as sweep_joint
 from fricomp.extras import REPORT, require
 
-__all__ = ["adapter_configuration", "calibrate", "record_sweep"]
-
 Progress = Callable[[str, float], None]
 
 

@@ -17,8 +17,6 @@ from fricomp.recording import Recording, read_recording
 from fricomp.results import DIAGNOSIS, claim_folder
 from fricomp.simulation_file import list_joints
 
-__all__ = ["SHORTEST_RECORDING", "diagnose", "read_long_recording"]
-
 SHORTEST_RECORDING = 5.0
 """Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,
 slow and fast motion and reversals do not fit into it [s]."""

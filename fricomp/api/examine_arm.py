@@ -18,8 +18,6 @@ from fricomp.extras import require
 from fricomp.recording import Recording
 from fricomp.results import ARM, claim_folder
 
-__all__ = ["examine_arm", "take_session"]
-
 Source = str | os.PathLike[str]
 
 

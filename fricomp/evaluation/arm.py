@@ -23,8 +23,6 @@ from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 from .simulated_arm import SimulatedArm, read_simulated_arm
 
-__all__ = ["ArmEvaluation", "JointErrors", "evaluate_arm"]
-
 Source = str | os.PathLike[str]
 Index = NDArray[np.intp]
 

@@ -16,8 +16,6 @@ from .equation import align_torque
 from .motion import MotionPart, RecordedMotion, read_motion
 from .settings import EVALUATION
 
-__all__ = ["ArmMotion", "read_arm_motion"]
-
 Rows = NDArray[np.bool_]
 
 _GAP = 5.0  # periods; a longer step of time in one joint is a gap of all

@@ -20,8 +20,6 @@ from .equation import JointEquation, advance_states, align_torque, resist
 from .motion import MotionPart
 from .settings import EVALUATION
 
-__all__ = ["count_substeps", "simulate_equation"]
-
 Index = NDArray[np.intp]
 
 

@@ -16,21 +16,6 @@ from .motion import MotionPart, RecordedMotion, low_pass
 from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 
-__all__ = [
-    "Simulate",
-    "Spans",
-    "Starts",
-    "TorqueLeft",
-    "compare_positions",
-    "compare_torque",
-    "measure_positions",
-    "measure_torque",
-    "select_rows",
-    "select_starts",
-    "summarise_positions",
-    "summarise_torque",
-]
-
 Index = NDArray[np.intp]
 Rows = NDArray[np.bool_]
 Spans = Sequence[tuple[float, float]]

@@ -16,8 +16,6 @@ from .equation import Along, JointEquation, align_torque
 from .equation_rollout import simulate_equation
 from .motion import MotionPart
 
-__all__ = ["EquationJoint", "EvaluatedJoint"]
-
 Index = NDArray[np.intp]
 
 

@@ -21,8 +21,6 @@ from .motion import RecordedMotion, read_motion
 from .reading import read_model
 from .result import Evaluation
 
-__all__ = ["evaluate", "evaluate_joint"]
-
 Source = str | os.PathLike[str]
 
 

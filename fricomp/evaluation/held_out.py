@@ -26,8 +26,6 @@ from .refit import split_folds
 from .result import Evaluation, TorqueError
 from .settings import EVALUATION
 
-__all__ = ["compute_missing_torque", "evaluate_folds", "measure_torque_error"]
-
 Index = NDArray[np.intp]
 
 

@@ -18,8 +18,6 @@ from fricomp.root_mean_square import compute_rms
 
 from .settings import EVALUATION
 
-__all__ = ["MotionPart", "RecordedMotion", "find_band", "join_motions", "low_pass", "read_motion"]
-
 Rows = NDArray[np.bool_]
 
 _GAP = 5.0  # periods; a longer step of time is a gap

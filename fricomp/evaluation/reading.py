@@ -15,8 +15,6 @@ from .evaluated import EquationJoint, EvaluatedJoint
 from .network import NetworkTerm
 from .simulated_joint import SimulatedJoint, read_simulated_joint
 
-__all__ = ["build_evaluated", "read_model"]
-
 Source = str | os.PathLike[str]
 
 _SIMULATIONS = (".xml", ".mjcf", ".urdf")

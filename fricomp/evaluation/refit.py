@@ -24,8 +24,6 @@ from .equation import JointEquation, align_torque
 from .motion import RecordedMotion, low_pass
 from .settings import REFIT
 
-__all__ = ["Refit", "refit_model", "split_folds"]
-
 Rows = NDArray[np.bool_]
 
 _BODY = ("inertia", "gravity_cosine", "gravity_sine", "offset")

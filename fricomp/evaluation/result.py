@@ -7,8 +7,6 @@ from typing import Any
 
 from fricomp.overview import Overview, OverviewTable, Shown
 
-__all__ = ["EVALUATION_SCHEMA", "Evaluation", "PositionError", "TorqueError"]
-
 EVALUATION_SCHEMA = "fricomp.evaluation/1"
 
 Interval = tuple[float, float]

@@ -21,8 +21,6 @@ from .evaluated import EvaluatedJoint
 from .motion import MotionPart
 from .settings import EVALUATION
 
-__all__ = ["SimulatedJoint", "hold_others", "read_simulated_joint", "spread_torque"]
-
 Index = NDArray[np.intp]
 
 _MOTOR_CONSTANT = 1  # place in the gain parameters of MuJoCo's dcmotor

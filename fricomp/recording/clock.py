@@ -16,8 +16,6 @@ from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.recording import Recording
 from fricomp.recording.row_numbers import RowNumbers, count_rows
 
-__all__ = ["Clock", "mend_clock"]
-
 Samples = NDArray[np.float64]
 
 _FEWEST = 50

@@ -15,8 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["RowNumbers", "count_rows"]
-
 Samples = NDArray[np.float64]
 
 _FOLLOW = 0.02

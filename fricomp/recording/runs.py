@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
 
-__all__ = ["integrate", "order_runs", "sort_rows"]
-
 Samples = NDArray[np.float64]
 
 _SHORTEST = 100

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
 
-__all__ = ["find_rising", "find_row_rate", "spread_held", "spread_stamps", "with_row_rate"]
-
 Samples = NDArray[np.float64]
 
 _GAP = 5.0

@@ -13,8 +13,6 @@ from .dynamics import SAMPLE_PERIOD
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["EXCITATIONS", "LEAD_IN", "build_reference", "settle"]
-
 Samples = NDArray[np.float64]
 
 _QUIET = 0.7  # [s] at rest at the beginning of the recording

@@ -23,8 +23,6 @@ from fricomp.laws import FloatArray
 
 BoolArray = NDArray[np.bool_]
 
-__all__ = ["HIGHEST_GAIN", "LIMIT_CYCLE_MARGIN", "Oscillation", "find_gain_limit", "find_oscillation", "steady_speeds"]
-
 HIGHEST_GAIN = 4.0
 """Gain up to which oscillations are looked for [1]."""
 

@@ -13,17 +13,6 @@ from fricomp.recording.checks.torque_causes import fit_joint
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
-__all__ = [
-    "SHOWS_NO_SLIDING",
-    "Clamp",
-    "find_hand_motion",
-    "find_held_output",
-    "find_one_way",
-    "find_silent_torque",
-    "find_steps",
-    "fit_clamp",
-]
-
 Samples = NDArray[np.float64]
 
 SHOWS_NO_SLIDING = frozenset({"no_sliding", "held_output", "hand_motion", "silent_torque", "stepped"})

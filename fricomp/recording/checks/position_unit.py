@@ -9,8 +9,6 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.unit import find_position_step, is_rounding
 
-__all__ = ["find_turns", "reference_slope"]
-
 Samples = NDArray[np.float64]
 
 _FEWEST_BITS, _MOST_BITS = 8, 18

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
 
-__all__ = ["ONE_TURN", "TURN_IN_DEGREES", "Reading", "measure_quantum", "read_at_rest", "snap_period"]
-
 Samples = NDArray[np.float64]
 
 _MOST_LEVELS = 0.5

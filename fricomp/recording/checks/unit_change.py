@@ -9,8 +9,6 @@ from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
-__all__ = ["find_unit_change"]
-
 Samples = NDArray[np.float64]
 
 _THOUSAND = 1000.0

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
 
-__all__ = ["Hold", "find_stale_rows", "thin_held_rows"]
-
 Rows = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 Values = NDArray[np.float64]

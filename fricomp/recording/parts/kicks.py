@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 from scipy.signal import savgol_coeffs, savgol_filter
 
-__all__ = ["find_answered_kicks"]
-
 Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 

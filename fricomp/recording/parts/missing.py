@@ -15,8 +15,6 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from fricomp.recording.recording import Recording
 
-__all__ = ["MissingRows", "count_missing_rows"]
-
 Samples = NDArray[np.float64]
 
 _EVEN = 2e-3

@@ -28,8 +28,6 @@ from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwr
 from fricomp.recording.recording import Recording
 from fricomp.recording.resampling import resample
 
-__all__ = ["SHORTEST_PART", "LeftOut", "UsableParts", "find_usable_parts"]
-
 Rows = NDArray[np.bool_]
 Samples = NDArray[np.float64]
 

@@ -10,8 +10,6 @@ from fricomp.recording.recording import Recording
 
 from .kicks import find_answered_kicks
 
-__all__ = ["Continuity", "WildTorque", "Wrap", "find_period", "find_wild_torque", "follow_motion", "unwrap_position"]
-
 Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 

@@ -14,8 +14,6 @@ from ..compiled import compile_cached
 
 Floats = NDArray[np.float64]
 
-__all__ = ["FIELDS", "compute_friction", "solve_step"]
-
 FIELDS = (
     "coulomb_forward",
     "coulomb_reverse",

@@ -11,18 +11,6 @@ import numpy as np
 from .interval import KnownInterval
 from .statistics import ShareEstimate, compute_clustered_share, compute_mean, compute_median, compute_share
 
-__all__ = [
-    "WEAK",
-    "Figure",
-    "count_share",
-    "measure_coverage",
-    "measure_mean",
-    "measure_median",
-    "require_at_least",
-    "require_at_most",
-    "select",
-]
-
 Score = TypeVar("Score")
 """A scored case of whichever study."""
 

@@ -13,8 +13,6 @@ from fricomp.laws import FloatArray
 
 from .problem import UPPER_BOUNDS, Draw
 
-__all__ = ["Comparison", "build_population_likelihood", "run_cma", "run_robust_nls"]
-
 
 @dataclass(frozen=True)
 class Comparison:

@@ -13,15 +13,6 @@ from .comparators import Comparison, run_cma, run_robust_nls
 from .problem import NOISE_READINGS, Draw, PaperProblem
 from .study import SPREADS, draw_random_values
 
-__all__ = [
-    "CMA_EVALUATIONS",
-    "FULL_SIZES",
-    "PAPER_LENGTH",
-    "SearchSizes",
-    "run_adam_study",
-    "run_searches",
-]
-
 PAPER_LENGTH = 50_000
 """Iterations of every method in [luo2024pinn]."""
 _TENTH = PAPER_LENGTH // 10

@@ -19,20 +19,6 @@ from ..kit.store import RowStore
 from .oracle import find_optimum
 from .problem import NOISE_READINGS, UPPER_BOUNDS, Draw, PaperProblem, Reading
 
-__all__ = [
-    "SPREADS",
-    "contaminate",
-    "draw_random_start",
-    "draw_random_values",
-    "run_as_given",
-    "run_departure",
-    "run_extras",
-    "run_loads",
-    "run_noise_free",
-    "run_outliers",
-    "run_statistics",
-]
-
 Progress = Callable[[str], None]
 SPREADS = (30.0, 3.0)
 """Factors within which random starts lie."""

@@ -14,17 +14,6 @@ from .plan import NULLS
 from .power import name_band
 from .score import Score
 
-__all__ = [
-    "list_coverage",
-    "list_groups",
-    "list_misses",
-    "list_nothing",
-    "list_places",
-    "list_recordings",
-    "list_single",
-    "list_wrong",
-]
-
 Rows = list[list[str]]
 
 _WEAKEST = 0.5

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from fricomp.root_mean_square import compute_rms
 
-__all__ = ["INJECTED", "InjectedEffect", "InjectedTorque", "MeasuredMotion", "measure_motion"]
-
 Samples = NDArray[np.float64]
 
 _SMOOTHING = 0.05  # [s] of the Savitzky-Golay window that position is differentiated with, at least 7 samples

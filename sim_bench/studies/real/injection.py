@@ -29,8 +29,6 @@ from fricomp.root_mean_square import compute_rms
 from .cases import REAL_CASES
 from .injected_effect import INJECTED, InjectedTorque, MeasuredMotion, measure_motion
 
-__all__ = ["INJECTABLE", "Injected", "InjectedSpec", "inject"]
-
 Samples = NDArray[np.float64]
 
 INJECTABLE = {

@@ -17,8 +17,6 @@ from .joint import JOINTS
 from .robustness import compute_robustness
 from .study import run_study
 
-__all__ = ["TrackingPart", "study_close_loop", "study_loops", "study_robustness", "study_sines"]
-
 Step = Callable[[], None]
 
 
