@@ -9,7 +9,7 @@ from pathlib import Path
 from fricomp.errors import DiagnosisError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
-from fricomp.recording.named.assumed_motion import take_motion
+from fricomp.recording.named.sliding import take_motion
 from fricomp.recording.parts.parts import UsableParts
 
 from .checks import kind_against, name_parts, remarks_on, take_usable

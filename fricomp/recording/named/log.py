@@ -12,7 +12,6 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
-from fricomp.recording.quantity_word import split_words
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import spread_held, with_row_rate
@@ -20,49 +19,23 @@ from fricomp.recording.unit import find_unit, shows_radians
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
-from .assumed_motion import mark_assumed
 from .choice import INTEGRAL, TORQUES, choose_columns
 from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import explain_unit, find_rating_parts, refuse_axis
+from .gear import GEARED, find_gear, say_gear
 from .missing import explain_missing
+from .sliding import is_linear, mark_assumed, require_length
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
 from .torque_constant import say_torque_constant
 from .vendor import find_drive_of_turns
 
-_GEARED = 1.5
-"""Motor turns a turn of the joint from which on there is a gear between them."""
-_FOLLOWS = 0.9
-"""Part of the power of a motor's velocity that follows the joint's position, from which on its gear is told by them."""
-_SLIDES = frozenset(
-    [
-        "stroke",
-        "displacement",
-        "weg",
-        "lin",
-        "linear",
-        "slide",
-        "slider",
-        "carriage",
-        "rail",
-        "prismatic",
-        "gantry",
-        "piston",
-        "ballscrew",
-        "schlitten",
-    ]
-)
-"""Words in the position of an axis that slides."""
-_TURNS = frozenset(["angle", "angular", "rotation", "rotary", "winkel", "theta"])
-"""Words of one that turns whatever else it is called: an angular displacement."""
 _SURE = 3
 """Certainty of a column that the user chose, or whose vendor's unit is known."""
 _RADIANS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
 """Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians."""
-_LONGEST_AXIS = 3.0
-"""Travel without a unit, above which it is asked whether such an axis is logged in metres: most are shorter [m]."""
 _FEWEST_COUNTS = 10
 """Different whole numbers from which on no chance makes all of them so."""
 _REFERENCES = ("position_reference", "velocity_reference", "torque_command")
@@ -167,9 +140,9 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += _leave_out_unknown(path, own)
         recording, found = _build(path, time, columns, own)
         notes += [f"{path.name}, {recording.metadata.joint}: {finding.message}." for finding in found]
-        ratio = _find_gear(recording, own)
-        notes += _say_gear(path, ratio, own)
-        if abs(ratio) > _GEARED and recording.motor_position is None:
+        ratio = find_gear(recording, own)
+        notes += say_gear(path, ratio, own)
+        if abs(ratio) > GEARED and recording.motor_position is None:
             kept = {name: values for name, values in recording.channels.items() if name != "velocity"}
             recording = Recording.from_channels(kept, recording.metadata)
             notes.append(f"{path.name}: {own.pop('velocity')[0]!r} is that of the motor, and was left out.")
@@ -190,7 +163,7 @@ def _build(
     path: Path, time: Samples, columns: Mapping[str, Samples], own: dict[str, tuple[str, ColumnMeaning]]
 ) -> tuple[Recording, tuple[Finding, ...]]:
     """The recording of a joint, and what is said of its rows; a current stands in for a torque that is not there."""
-    joint, linear = own["position"][1].joint, _is_linear(own)
+    joint, linear = own["position"][1].joint, is_linear(own)
     unit = "N" if linear else "N·m"
     stands_in = next(one for one in TORQUES if one in own)
     own["torque"] = own[stands_in]
@@ -199,7 +172,7 @@ def _build(
     elif own["torque"][1].unit in ("V", "mV"):
         unit = "V"
     table, wrapped = {"time": time, **_to_si(path, columns, own, time.size)}, tuple[Finding, ...]()
-    _require_length(path, own["position"], table.get("position", time[:1]))
+    require_length(path, own["position"], table.get("position", time[:1]))
     if own["position"][0] == INTEGRAL:
         table["position"] = table["velocity"]
     elif read_wrapped_degrees(table, own):
@@ -211,12 +184,8 @@ def _build(
     table = _leave_out_empty(join_sparse(table))
     for channel in [one for one in own if one not in table and own[one][0] != INTEGRAL]:
         del own[channel]
-    table, twins = drop_twins(table)
-    table, late = sort_rows(table)
-    table, findings = order_runs(table)
-    table, held = spread_held(table)
-    usable, left_out = drop_bad_rows(table)
-    findings += wrapped + twins + late + held + left_out
+    usable, findings = _mend_rows(table)
+    findings = wrapped + findings
     if own["position"][0] == INTEGRAL:
         usable["position"] = integrate(usable["position"], usable["time"])  # the velocity, until here
     if usable["time"].size < 2:
@@ -233,6 +202,15 @@ def _build(
         source=path.name,
     )
     return Recording.from_channels(usable, metadata), findings
+
+
+def _mend_rows(table: dict[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """The rows in their order and with a time that goes on, and what was done to them."""
+    findings: tuple[Finding, ...] = ()
+    for mend in (drop_twins, sort_rows, order_runs, spread_held, drop_bad_rows):
+        table, told = mend(table)
+        findings += told
+    return table, findings
 
 
 def _leave_out_unknown(path: Path, own: dict[str, tuple[str, ColumnMeaning]]) -> list[str]:
@@ -292,57 +270,6 @@ def are_counts(name: str, values: Samples) -> bool:
     return bool(np.all(finite == np.round(finite))) and np.unique(finite).size >= _FEWEST_COUNTS
 
 
-def _is_linear(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
-    """Whether the joint slides: its position is in metres, or what moves it is a force."""
-    said = {
-        channel: meaning.unit
-        for channel, (_, meaning) in own.items()
-        if meaning.unit not in ("", RAW_UNIT, UNKNOWN_UNIT)
-    }
-    stated = {channel: find_unit(unit).si for channel, unit in said.items()}
-    if stated.get("position") == "m" or stated.get("velocity") == "m/s":
-        return True
-    if stated.get("torque") == "N":
-        return not (_says_angle(*own["position"]) and slides_by_force_alone(own))
-    return _says_linear(*own["position"])
-
-
-def slides_by_force_alone(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
-    """Whether nothing but the word force says that a joint slides: it may be a generalised one."""
-    column, meaning = own["torque"]
-    others = {channel: one for channel, one in own.items() if channel != "torque"}
-    stated = any(one.unit == "N" for one in find_unit_words(column, -1))
-    return meaning.unit == "N" and not stated and not _is_linear(others)
-
-
-def _says_angle(column: str, meaning: ColumnMeaning) -> bool:
-    """Whether a position is called an angle, or has the unit of one."""
-    words = {word for word, _ in split_words(column)}
-    return bool(words & _TURNS or meaning.unit or find_unit_words(column, -1))
-
-
-def _says_linear(column: str, meaning: ColumnMeaning) -> bool:
-    """Whether a position without a unit is called as that of an axis that slides."""
-    words = {word for word, _ in split_words(column)}
-    return not meaning.unit and bool(words & _SLIDES) and not words & _TURNS
-
-
-def _require_length(path: Path, position: tuple[str, ColumnMeaning], values: Samples) -> None:
-    """Refuse to take for metres what an axis is called to slide by, and is no length of one.
-
-    Raises:
-        RecordingError: It is such a position.
-    """
-    column, meaning = position
-    travel = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
-    if _says_linear(column, meaning) and travel > _LONGEST_AXIS:
-        raise RecordingError(
-            f"{path}: {column!r} is called as the position of an axis that slides, states no unit and covers "
-            f'{travel:.4g}: say in a mapping which it is, such as position = {{ column = {column!r}, unit = "mm" }} '
-            "('fricomp convert LOG --inspect --out log.toml' begins one)"
-        )
-
-
 def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
     """Channels that are needed, and the others where they have a number in nearly every row with a position.
 
@@ -359,35 +286,6 @@ def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
             and not (name in _REFERENCES and np.ptp(values[said]) == 0.0 and np.ptp(table["position"][said]) > 0.0)
         )
     }
-
-
-def _find_gear(recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> float:
-    """Turns of the motor a turn of the joint, by its own encoder or the velocity that is called its; 1 without both."""
-    if np.ptp(recording.position) == 0.0:
-        return 1.0
-    if recording.motor_position is not None:
-        return float(np.polyfit(recording.position, recording.motor_position, 1)[0])
-    if recording.velocity is None or not _is_of_motor("velocity", own) or _is_of_motor("position", own):
-        return 1.0
-    rate = np.gradient(recording.position, recording.time)
-    if np.corrcoef(rate, recording.velocity)[0, 1] ** 2 < _FOLLOWS:
-        return 1.0
-    return float(np.polyfit(rate, recording.velocity, 1)[0])
-
-
-def _is_of_motor(channel: str, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
-    return re.search("motor|rotor", own[channel][0], re.IGNORECASE) is not None
-
-
-def _say_gear(path: Path, ratio: float, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
-    """What to write where a torque that is called the motor's may be that before a gear which its motion shows."""
-    if abs(ratio) < _GEARED or not _is_of_motor("torque", own):
-        return []
-    return [
-        f"{path.name}: the motor moves {ratio:.4g} times as far as the joint, and {own['torque'][0]!r} is called its "
-        f'torque: where that is before the gear, write torque_side = "motor" and gear_ratio = {ratio:.4g} under '
-        "[metadata] of a mapping."
-    ]
 
 
 def _as_si(channel: str, recording: Recording) -> str:

@@ -1,0 +1,47 @@
+"""The gear between a motor and its joint, as far as their motions show it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.recording.recording import Recording
+
+from .column import ColumnMeaning
+
+GEARED = 1.5
+"""Motor turns a turn of the joint from which on there is a gear between them."""
+_FOLLOWS = 0.9
+"""Part of the power of a motor's velocity that follows the joint's position, from which on its gear is told by them."""
+
+
+def find_gear(recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> float:
+    """Turns of the motor a turn of the joint, by its own encoder or the velocity that is called its; 1 without both."""
+    if np.ptp(recording.position) == 0.0:
+        return 1.0
+    if recording.motor_position is not None:
+        return float(np.polyfit(recording.position, recording.motor_position, 1)[0])
+    if recording.velocity is None or not _is_of_motor("velocity", own) or _is_of_motor("position", own):
+        return 1.0
+    rate = np.gradient(recording.position, recording.time)
+    if np.corrcoef(rate, recording.velocity)[0, 1] ** 2 < _FOLLOWS:
+        return 1.0
+    return float(np.polyfit(rate, recording.velocity, 1)[0])
+
+
+def _is_of_motor(channel: str, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
+    return re.search("motor|rotor", own[channel][0], re.IGNORECASE) is not None
+
+
+def say_gear(path: Path, ratio: float, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
+    """What to write where a torque that is called the motor's may be that before a gear which its motion shows."""
+    if abs(ratio) < GEARED or not _is_of_motor("torque", own):
+        return []
+    return [
+        f"{path.name}: the motor moves {ratio:.4g} times as far as the joint, and {own['torque'][0]!r} is called its "
+        f'torque: where that is before the gear, write torque_side = "motor" and gear_ratio = {ratio:.4g} under '
+        "[metadata] of a mapping."
+    ]
