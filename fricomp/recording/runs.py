@@ -1,4 +1,4 @@
-"""Samples over time: runs whose clock starts again, one after the other, and integrals."""
+"""Samples over time: runs whose clock starts again, one after the other, what lies between samples, and integrals."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -23,6 +23,8 @@ _LATE = 20.0
 """Usual steps by which a row may come after its turn; a clock that starts again falls by more."""
 _BETWEEN = 1.0
 """Time that is put between two runs [s]: a gap, at which whatever reads the recording cuts it."""
+_GAP = 5.0
+"""Usual distances of two readings beyond which nothing is known between them."""
 
 
 def sort_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
@@ -92,3 +94,33 @@ def _find_period(step: Samples) -> float:
 def integrate(values: Samples, time: Samples) -> Samples:
     """Integral of a channel over time, from zero, by trapezes. Shape (n_samples,)."""
     return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))])
+
+
+def find_covered(time: Samples, instants: Samples) -> NDArray[np.bool_]:
+    """Which instants lie between two of these times that are no gap apart. Shape (n_instants,).
+
+    Args:
+        time: Rising [s]. Shape (n_times,).
+        instants: [s].
+    """
+    if time.size < 2:
+        return np.zeros(instants.size, dtype=bool)
+    steps = np.diff(time)
+    place = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, steps.size - 1)
+    inside = (instants >= time[0]) & (instants <= time[-1])
+    return np.asarray(inside & (steps[place] <= _GAP * float(np.median(steps))))
+
+
+def interpolate(instants: Samples, time: Samples, values: Samples) -> Samples:
+    """A channel at other times, on straight lines between the readings that are there; NaN where there are none.
+
+    Args:
+        instants: [s]. Shape (n_instants,).
+        time: Of the readings, in any order [s]. Shape (n_times,).
+        values: NaN where a row has none. Shape (n_times,).
+    """
+    known = np.flatnonzero(np.isfinite(values + time))
+    if not known.size:
+        return np.full(instants.size, np.nan)
+    known = known[np.argsort(time[known], kind="stable")]
+    return np.asarray(np.interp(instants, time[known], values[known]))

@@ -17,10 +17,11 @@ from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.sources import Contents, is_text, read_contents
 from fricomp.recording.sources.can_frames import refuse_bytes, refuse_frames
+from fricomp.recording.sources.cell import number_or_nan, read_number
 from fricomp.recording.sources.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_ros_topics, read_topics, tabulate_topics
-from fricomp.recording.sources.text import cut_rows, find_encoding, number_or_nan, read_lines
+from fricomp.recording.sources.text import cut_rows, find_encoding, read_lines
 from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
 from fricomp.recording.sources.topic import Topic, is_bare
 from fricomp.recording.validity import Samples
@@ -273,11 +274,11 @@ def _name_index(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str
     Dates are times, and so are numbers that rise by other steps than those of rows, where no column is called as one.
     """
     first = rows[0][0] if rows and rows[0] else ""
-    if names[0] or "time" in names or not np.isfinite(_to_number(first)):
+    if names[0] or "time" in names or not np.isfinite(read_number(first)):
         return list(names)
     is_date = any(mark in first for mark in ":-") and not _PLAIN_NUMBER.fullmatch(first.strip())
     if not is_date:
-        values = np.array([_to_number(row[0]) for row in rows])
+        values = np.array([read_number(row[0]) for row in rows])
         counts = bool(np.all(values == np.round(values)))
         if counts or not np.all(np.diff(values) > 0.0) or find_stamps(names):
             return list(names)
@@ -301,7 +302,7 @@ def read_unnamed_columns(path: Path) -> dict[str, Samples]:
 def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]:
     """A column of numbers or of dates, or one for each entry of its lists; of words nothing but NaN."""
     if cells and cells[0][:1] in ("[", "("):
-        entries = [[_to_number(each) for each in cell.strip("[]()").replace(",", " ").split()] for cell in cells]
+        entries = [[read_number(each) for each in cell.strip("[]()").replace(",", " ").split()] for cell in cells]
         width = max(map(len, entries))
         require_filled(len(entries), width, sum(map(len, entries)))
         matrix = np.full((len(entries), width), np.nan)
@@ -309,7 +310,3 @@ def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]
             row[: len(numbers)] = numbers
         return {f"{name}:{k}": column for k, column in enumerate(matrix.T, start=1)}
     return {name: np.array([number_or_nan((cell,), 0, decimal) for cell in cells])}
-
-
-def _to_number(text: str) -> float:
-    return number_or_nan((text,), 0, ".")

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricomp.recording.runs import find_covered, interpolate
 from fricomp.recording.validity import Samples
 
 _TOGETHER = 0.5
 """Part of the rarer channel's rows that have the position as well, from which on the rows are those of one table."""
 _FEWEST = 50
 """Rows of a channel that are a log of it."""
-_GAP = 5.0
-"""Usual distances of two readings beyond which nothing is known between them."""
 
 
 def join_sparse(table: Mapping[str, Samples]) -> dict[str, Samples]:
@@ -36,12 +35,6 @@ def join_sparse(table: Mapping[str, Samples]) -> dict[str, Samples]:
 
 
 def _read_between(at: Samples, time: Samples, values: Samples) -> Samples:
-    """A channel at other times, on straight lines between its own readings; NaN in gaps and beyond the ends. (n,)."""
-    known = np.flatnonzero(np.isfinite(values + time))
-    known = known[np.argsort(time[known], kind="stable")]
-    if known.size < 2:
-        return np.full(at.size, np.nan)
-    step = np.diff(time[known])
-    place = np.clip(np.searchsorted(time[known], at, side="right") - 1, 0, step.size - 1)
-    outside = (at < time[known[0]]) | (at > time[known[-1]]) | (step[place] > _GAP * float(np.median(step)))
-    return np.where(outside, np.nan, np.interp(at, time[known], values[known]))
+    """A channel at other times, between its own readings; NaN in gaps and beyond the ends. Shape (n,)."""
+    known = np.sort(time[np.isfinite(values + time)])
+    return np.where(find_covered(known, at), interpolate(at, time, values), np.nan)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column
+from fricomp.recording.sources.cell import parse_number
 from fricomp.recording.sources.entry_names import find_entry_names, tell_entries_apart
-from fricomp.recording.sources.text_layout import parse_number
 from fricomp.untrusted import require_filled
 
 Columns = dict[Column, NDArray[np.float64]]

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from fricomp.recording.sources.cell import read_number
 from fricomp.recording.sources.columns import Columns, Contents, columns_of_records, flatten_arrays, flatten_structures
 from fricomp.recording.sources.label_word import JOINT_LABELS, SIGNAL_LABELS
-from fricomp.recording.sources.text import number_or_nan
 from fricomp.recording.validity import Samples
 from fricomp.untrusted import require_filled
 
@@ -154,7 +154,7 @@ def _make_table(cells: Mapping[str, Sequence[Any]]) -> Contents:
 def _to_number(value: Any) -> float:
     if isinstance(value, bool | int | float):
         return float(value)
-    return number_or_nan((value,), 0, ".") if isinstance(value, str) else float("nan")
+    return read_number(value) if isinstance(value, str) else float("nan")
 
 
 def _find_series(content: Any) -> Contents | None:

@@ -10,7 +10,8 @@ from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit_word import read_unit
 from fricomp.untrusted import require_filled
 
-from .text_layout import FIRST_LINES, parse_number
+from .cell import parse_number
+from .text_layout import FIRST_LINES
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _LETTER = "A-Za-zµ°%·/²^*"

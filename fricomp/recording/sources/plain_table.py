@@ -9,17 +9,9 @@ from collections.abc import Sequence
 
 from fricomp.recording.unit_word import find_unit_words
 
+from .cell import is_number, parse_number, read_measured
 from .labelled_rows import join_rows, tabulate_labelled
-from .text_layout import (
-    FIRST_LINES,
-    TextLayout,
-    find_layout,
-    is_comment,
-    is_number,
-    parse_number,
-    read_measured,
-    split_cells,
-)
+from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
 
 _MOSTLY = 0.5
 _ARRIVED = re.compile(r"^\s*((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s?(.*)$")

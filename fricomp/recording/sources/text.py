@@ -12,9 +12,10 @@ from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import count_known
+from fricomp.recording.sources.cell import DECIMAL_COMMA, number_or_nan, parse_number
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.plain_table import as_table
-from fricomp.recording.sources.text_layout import is_comment, parse_number, split_cells
+from fricomp.recording.sources.text_layout import is_comment, split_cells
 from fricomp.untrusted import find_size_limit
 
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
@@ -34,7 +35,6 @@ _KINDS = {
 _HEADING = 4000
 """Characters of a text in which its names are looked for."""
 _CELL = re.compile(r"[^,;\t|\r\n]+")
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
 def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool) -> Columns:
@@ -206,14 +206,6 @@ def _hint(cells: list[str], index: int) -> str:
     if ";" in line or "\t" in line:
         mark = '";"' if ";" in line else '"\\t"'
         return f'the line looks as if delimiter = {mark}, with decimal = "," where numbers have commas'
-    if index < len(cells) and _DECIMAL_COMMA.fullmatch(cells[index].strip()):
+    if index < len(cells) and DECIMAL_COMMA.fullmatch(cells[index].strip()):
         return 'write decimal = "," under [source] of the mapping'
     return "set skip_bad_rows, or header, delimiter, decimal and skip_lines in the mapping"
-
-
-def number_or_nan(cells: Sequence[str], index: int, decimal: str) -> float:
-    """The number in a cell; NaN where it is none or missing."""
-    try:
-        return parse_number(cells[index], decimal)
-    except (ValueError, IndexError):
-        return float("nan")

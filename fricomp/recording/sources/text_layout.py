@@ -7,42 +7,21 @@ import itertools
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from typing import NamedTuple
 
 from fricomp.recording.quantity_word import count_known
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, read_bracket, read_unit
 
+from .cell import DECIMAL_COMMA, DECIMAL_POINT, DOTTED, THOUSANDS, is_entry, is_number, read_measured
+
 FIRST_LINES = 200
 """Lines by which it is told how a text is laid out."""
 _MARKS = (";", "\t", "|", ",", "")
 """What may stand between cells; nothing stands for white space."""
 _COMMENTS = ("#", "%", "//")
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
-_DECIMAL_POINT = re.compile(r"[+-]?(?:0?\.\d+|\d+\.(?!\d{3}$)\d+|\d{1,3}(?:,\d{3})+\.\d+)(?:[eE][+-]?\d+)?")
-"""A number whose point cannot stand between thousands."""
-_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
-_DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
-_SLASHES = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*([AaPp][Mm])?")
-_DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
-"""A number with points between thousands and a decimal comma."""
-_GAPPED = re.compile(r"[+-]?\d{1,3}(?:([ \u00a0\u2009\u202f'’])\d{3})(?:\1\d{3})*(?:[.,]\d*)?")
-"""A number with spaces or apostrophes between thousands."""
-_FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)")
-_CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:;](\d+))?")
-"""A time of day, or a length of time in hours or in minutes."""
-_IEC = re.compile(r"L?T(?:IME)?#(?:[\d.]+(?:d|h|ms|us|ns|m|s)_?)+", re.IGNORECASE)
-_IEC_PART = re.compile(r"([\d.]+)(d|h|ms|us|ns|m|s)", re.IGNORECASE)
-_IEC_UNITS = {"d": 86400.0, "h": 3600.0, "m": 60.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-"""A length of time as controllers write it, `T#1s234ms` [iec61131], and its parts [s]."""
-_MEASURED = re.compile(r"([+-]?[\d.,]*\d(?:[eE][+-]?\d+)?)\s*([^\W\d_].*|[°µ].*)")
-_TIME_WORDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "µs": 1e-6, "us": 1e-6, "ns": 1e-9, "min": 60.0, "hr": 3600.0}
-"""Units of time behind a number, as MATLAB writes lengths of time [s]."""
-_LIST = re.compile(r"[\[(][\s\d.,;eE+\-naNA]*[\])]?")
 _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _UNITS_OF_PAIRS = ("unit", "units", "einheit", "einheiten")
-_SPAN = re.compile(r"(-?\d+) days?,? \+?(\d{1,2}):(\d{2}):(\d{2}(?:\.\d+)?)")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
 _UNIT_LABEL = re.compile(r"^\s*(?:units?|einheit(?:en)?)\s*[:=]\s*", re.IGNORECASE)
 """What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
@@ -151,7 +130,7 @@ def _read_pairs(line: str) -> tuple[str, list[str]] | None:
     mark = next((one for one in ("\t", ";", ",") if one in line), "")
     cells = split_cells(line, mark) if mark else []
     words = {cell for cell in cells[::2] if cell}
-    if len(cells) < 4 or len(words) != 1 or len(cells[1::2]) < len(cells[::2]) - 1 or _is_entry(next(iter(words))):
+    if len(cells) < 4 or len(words) != 1 or len(cells[1::2]) < len(cells[::2]) - 1 or is_entry(next(iter(words))):
         return None
     return next(iter(words)), cells[1::2]
 
@@ -186,32 +165,12 @@ def _goes_on(below: Sequence[str], mark: str, first: Sequence[str]) -> bool:
 def _is_fact(cells: Sequence[str], row: Sequence[str]) -> bool:
     """Whether a line says one thing of each column, called by its first cell: `SampleTime [ms];2;2`, above numbers."""
     word = cells[0].strip() if cells else ""
-    return bool(word) and word.lower() not in _NO_VALUE and not is_number(word) and bool(row) and _is_entry(row[0])
+    return bool(word) and word.lower() not in _NO_VALUE and not is_number(word) and bool(row) and is_entry(row[0])
 
 
 def _is_value(cell: str, like: str) -> bool:
     """Whether a cell is a number as that above it: with a unit behind it where that has one."""
     return cell.lower() in _NO_VALUE or (is_number(cell) and bool(read_measured(cell)) == bool(read_measured(like)))
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell is a number, a date or a list of numbers, with or without a unit behind it."""
-    return _is_entry(cell) or read_measured(cell) is not None
-
-
-def read_measured(cell: str) -> tuple[str, float, float] | None:
-    """The number in front of a unit in one cell, and what makes SI of it by factor and offset; None where it is none.
-
-    `12.3°`, `0.002 sec`, `-4,1 N·m`.
-    """
-    match = _MEASURED.fullmatch(cell.strip().replace("\u2212", "-"))
-    if match is None:
-        return None
-    number, word = match.groups()
-    unit = UNITS.get(read_unit(word))
-    if unit is not None:
-        return number, unit.factor, unit.offset
-    return (number, _TIME_WORDS[word.lower()], 0.0) if word.lower() in _TIME_WORDS else None
 
 
 def _find_mark(line: str) -> str | None:
@@ -238,7 +197,7 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     headings: list[_Heading] = []
     first, cells = row, split_cells(lines[row], mark)
     for line in _list_above(lines[:row], mark, width):
-        if not any(map(_is_entry, line.cells)):
+        if not any(map(is_entry, line.cells)):
             headings.append(line)
         elif _is_fact(line.cells, cells):
             continue
@@ -247,7 +206,7 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
         else:
             first = line.number
     bare = TextLayout(mark, decimal, (), first, first)
-    return _choose_names(headings[:_MOST_HEADINGS], bare, labelled=_is_entry(cells[0])) if headings else bare
+    return _choose_names(headings[:_MOST_HEADINGS], bare, labelled=is_entry(cells[0])) if headings else bare
 
 
 def _find_decimal(rows: Sequence[str], mark: str) -> str:
@@ -256,10 +215,10 @@ def _find_decimal(rows: Sequence[str], mark: str) -> str:
     Commas that are not in quotes are no decimal marks where they are the delimiter.
     """
     cells = {cell for row in rows for cell in split_cells(row, mark) if mark != "," or '"' in row}
-    commas = any(_DECIMAL_COMMA.fullmatch(cell) and not _THOUSANDS.fullmatch(cell) for cell in cells)
-    if commas or any(map(_DOTTED.fullmatch, cells)):
+    commas = any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in cells)
+    if commas or any(map(DOTTED.fullmatch, cells)):
         return "," if mark != "," or not any("." in cell for cell in cells if "," in cell) else "."
-    return "." if mark == "," or any(map(_DECIMAL_POINT.fullmatch, cells)) else ","
+    return "." if mark == "," or any(map(DECIMAL_POINT.fullmatch, cells)) else ","
 
 
 def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
@@ -271,7 +230,7 @@ def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Headin
         found = _Heading(number, split_cells(line.lstrip("#%/ ") if is_comment(line) else line, mark), is_comment(line))
         if not found.is_comment and not _fits(found.cells, width):
             return
-        if not found.is_comment or (_fits(found.cells, width) and not any(map(_is_entry, found.cells))):
+        if not found.is_comment or (_fits(found.cells, width) and not any(map(is_entry, found.cells))):
             yield found
 
 
@@ -359,76 +318,3 @@ def _with_unit(name: str, unit: str) -> str:
         return name
     is_known = bare.lower() in _UNIT_WORDS or read_bracket(bare) != ""
     return f"{name} [{bare}]" if is_known else f"{name} [{UNKNOWN_UNIT} {bare}]"
-
-
-def _is_entry(cell: str) -> bool:
-    """Whether a cell is a number, a date or a list of numbers."""
-    if cell[:1] in ("[", "("):
-        return any(map(str.isdigit, cell)) and _LIST.fullmatch(cell) is not None
-    try:
-        parse_number(cell, ",")
-    except ValueError:
-        return False
-    return True
-
-
-def parse_number(cell: str, decimal: str) -> float:
-    """A number, also with a decimal comma or with commas between thousands, or in hexadecimal digits behind `0x`.
-
-    Spaces and apostrophes between thousands, the minus sign of Unicode and Fortran's `1.2D-3` are read too. Of a date
-    and time by ISO 8601, with the day first and dots between, or with slashes (the month first, where that can be), it
-    is the seconds since 1970; of a time of day those since midnight [s]; of `0 days 00:00:01.5`, of `02:03.5` and of
-    `T#2m3s500ms` its length.
-
-    Raises:
-        ValueError: It is none.
-    """
-    text = cell.strip().strip('"').replace("\u2212", "-")
-    gapped = _GAPPED.fullmatch(text)
-    if gapped:
-        text = text.replace(gapped.group(1), "")
-    if "," in text:
-        text = _without_commas(text, decimal)
-    try:
-        return float(int(text, 16)) if text[:2] in ("0x", "0X") else float(text)
-    except ValueError:
-        fortran = _FORTRAN.fullmatch(text)
-        return float("e".join(fortran.groups())) if fortran else _parse_stamp(text)
-
-
-def _without_commas(text: str, decimal: str) -> str:
-    if decimal == "," and _DECIMAL_COMMA.fullmatch(text):
-        return text.replace(",", ".")
-    if decimal == "," and _DOTTED.fullmatch(text):
-        return text.replace(".", "").replace(",", ".")
-    return text.replace(",", "") if _THOUSANDS.fullmatch(text) else text
-
-
-def _reorder(first: str, second: str, year: str, clock: str, half: str | None) -> str:
-    """A date between slashes as ISO 8601 has it; the first number is the month where it can be one."""
-    day, month = (int(first), int(second)) if int(first) > 12 else (int(second), int(first))
-    hours, rest = clock.split(":", 1)
-    hour = int(hours) % 12 + 12 * (half.lower() == "pm") if half else int(hours)
-    return f"{year}-{month:02d}-{day:02d} {hour:02d}:{rest}"
-
-
-def _parse_stamp(text: str) -> float:
-    span = _SPAN.fullmatch(text)
-    if span:
-        days, hours, minutes, seconds = span.groups()
-        return 86400.0 * int(days) + 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds)
-    slashes = _SLASHES.fullmatch(text)
-    if slashes:
-        text = _reorder(*slashes.groups())
-    european = _DAY_FIRST.fullmatch(text)
-    if european:
-        day, month, year, clock = european.groups()
-        text = f"{year}-{int(month):02d}-{int(day):02d} {clock.zfill(8)}"
-    clock_time = _CLOCK.fullmatch(text)
-    if clock_time and (clock_time.group(1) or clock_time.group(4)):
-        hours, minutes, seconds, rest = clock_time.groups("0")
-        return 3600.0 * int(hours) + 60.0 * int(minutes) + float(f"{seconds}.{rest}")
-    if _IEC.fullmatch(text):
-        return sum(float(number) * _IEC_UNITS[unit.lower()] for number, unit in _IEC_PART.findall(text))
-    stamp = datetime.fromisoformat(text)
-    return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
+from fricomp.recording.runs import find_covered, interpolate
 from fricomp.recording.sources.columns import Columns, columns_of_records
 
 _BARE = re.compile(r"data(\.\d+)?")
 """Field of a message that is a number, or a row of them, and nothing else: what it is, its topic says."""
-_GAP = 5.0
-"""Usual distances of two messages beyond which a topic says nothing of the time between them."""
 
 
 @dataclass
@@ -100,7 +99,7 @@ def join_topics(topics: Mapping[str, Topic], lead: str, others: Sequence[str], *
     instants = topics[lead].find_time(axis)
     covered = np.ones(instants.size, dtype=bool)
     for name in others:
-        covered &= _find_covered(np.sort(topics[name].find_time(axis)), instants)
+        covered &= find_covered(np.sort(topics[name].find_time(axis)), instants)
     if not covered.any():
         raise RecordingError(
             f"topics {', '.join((lead, *others))} have no time in common: give 'clock = \"log\"' in the mapping if "
@@ -115,7 +114,7 @@ def join_topics(topics: Mapping[str, Topic], lead: str, others: Sequence[str], *
         for key, values in tables[name].items():
             if key == "time":
                 continue
-            at_instants = _interpolate(instants[covered], time, values)
+            at_instants = interpolate(instants[covered], time, values)
             joined |= {key: at_instants} if names.count(key) == 1 else {}
             joined |= {f"{name}.{key}": at_instants} if names.count(key) > 1 or is_bare(key) else {}
     return joined
@@ -124,26 +123,3 @@ def join_topics(topics: Mapping[str, Topic], lead: str, others: Sequence[str], *
 def is_bare(column: str | int) -> bool:
     """Whether a column is called `data`, or is an entry of such a row, so that its topic alone says what it is."""
     return _BARE.fullmatch(str(column)) is not None
-
-
-def _find_covered(time: NDArray[np.float64], instants: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which instants lie between two messages that are no gap apart. Shape (n,)."""
-    if time.size < 2:
-        return np.zeros(instants.size, dtype=bool)
-    steps = np.diff(time)
-    place = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, steps.size - 1)
-    inside = (instants >= time[0]) & (instants <= time[-1])
-    result: NDArray[np.bool_] = inside & (steps[place] <= _GAP * float(np.median(steps)))
-    return result
-
-
-def _interpolate(
-    at: NDArray[np.float64], time: NDArray[np.float64], values: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Values at other instants, on straight lines between those that are there; NaN where there is none. Shape (n,)."""
-    known = np.flatnonzero(np.isfinite(values))
-    if not known.size:
-        return np.full(at.size, np.nan)
-    known = known[np.argsort(time[known], kind="stable")]
-    result: NDArray[np.float64] = np.interp(at, time[known], values[known])
-    return result

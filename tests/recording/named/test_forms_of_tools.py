@@ -14,7 +14,7 @@ from scipy.io import savemat
 from fricomp.errors import RecordingError
 from fricomp.recording.file import read_content
 from fricomp.recording.named.log import read_named_log
-from fricomp.recording.sources.text_layout import parse_number
+from fricomp.recording.sources.cell import parse_number
 
 from .proposed_mapping import convert_by_proposal
 
