@@ -29,7 +29,7 @@ from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
-from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
+from fricomp.recording.checks.degrees import suspect_degrees_per_second
 
 from .identification import Identification
 from .motion_doubt import doubt_for_all, doubt_for_degrees, fit_gravity_where_it_shows, tell_what_else_acts

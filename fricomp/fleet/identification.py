@@ -22,7 +22,7 @@ from fricomp.calibration.table import FrictionTable, read_friction_table
 from fricomp.errors import FricompError, IdentificationError, MissingExtraError
 from fricomp.folder_lock import FolderLock
 from fricomp.model import Covariance, FrictionModel, Validity, encode_model
-from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
+from fricomp.recording.checks.degrees import suspect_degrees_per_second
 from fricomp.report import Bars, Chart, Panel, ReportPage, Section, Table, write_report
 from fricomp.results import FLEET, make_folder
 

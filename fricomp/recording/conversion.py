@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
-from fricomp.recording.checks.torque_causes import read_signed
+from fricomp.recording.checks.register import read_signed
 from fricomp.recording.finding import Finding
 from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields

@@ -17,7 +17,7 @@ from fricomp.recording import (
     read_public_named,
 )
 from fricomp.recording.checks.motion_kind import fit_clamp
-from fricomp.recording.checks.torque_causes import fit_two_torques
+from fricomp.recording.checks.torque_sensor import fit_two_torques
 from fricomp.recording.parts.parts import find_usable_parts
 
 _TURN = 2 * np.pi

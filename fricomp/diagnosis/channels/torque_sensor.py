@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fricomp.recording import Recording
-from fricomp.recording.checks.torque_causes import TwoTorques, fit_two_torques
+from fricomp.recording.checks.torque_sensor import TwoTorques, fit_two_torques
 
 from ..effects import EFFECTS
 from ..record.result import NamedEffect, Quantity

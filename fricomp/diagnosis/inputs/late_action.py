@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fricomp.recording import Recording
-from fricomp.recording.checks.torque_causes import find_delay, fit_joint
+from fricomp.recording.checks.joint_fit import fit_joint
+from fricomp.recording.checks.torque_causes import find_delay
 
 from .settings import INPUT
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from fricomp.recording.checks.folded_torque import find_folded_torque
+from fricomp.recording.checks.degrees import find_degrees
 from fricomp.recording.checks.lost_sign import find_lost_sign
 from fricomp.recording.checks.motion_kind import (
     find_hand_motion,
@@ -18,6 +18,7 @@ from fricomp.recording.checks.motion_kind import (
     find_steps,
 )
 from fricomp.recording.checks.position_unit import find_turns
+from fricomp.recording.checks.register import find_folded_torque, find_unsigned_torque
 from fricomp.recording.checks.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
 from fricomp.recording.checks.timing_checks import (
     find_gaps,
@@ -26,14 +27,12 @@ from fricomp.recording.checks.timing_checks import (
     find_rate_change,
     find_wrong_time_unit,
 )
-from fricomp.recording.checks.torque_causes import find_unsigned_torque
+from fricomp.recording.checks.torque_causes import find_flipped_torque
 from fricomp.recording.checks.torque_sensor import find_torque_gain
 from fricomp.recording.checks.unit_change import find_unit_change
 from fricomp.recording.checks.unit_checks import (
     find_counts,
-    find_degrees,
     find_flipped_reference,
-    find_flipped_torque,
     find_motor_side,
     find_velocity_mismatch,
     find_wrong_temperature,

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from fricomp.recording.checks.torque_causes import BlockMotion, average_motion, build_design
+from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples

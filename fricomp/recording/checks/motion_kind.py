@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.joint_fit import fit_joint
 from fricomp.recording.checks.quantum import measure_quantum
-from fricomp.recording.checks.torque_causes import fit_joint
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 

@@ -1,8 +1,82 @@
 """A torque sensor beside the motor's torque: the gain of the latter, and how far it saturates."""
 
-from fricomp.recording.checks.torque_causes import fit_two_torques
+from typing import NamedTuple
+
+import numpy as np
+
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
+from fricomp.recording.validity import Samples
+
+_SLOW = 0.1
+"""Part of the top speed below which the direction of friction is not sure."""
+_ALIKE = 5.0
+"""Rows that err alike: their variance counts so often."""
+_ALIKE_ROWS = 3
+"""Rows that are averaged where two torques are compared."""
+_CERTAIN = 4.0
+"""Standard deviations from a gain of one, or from no saturation, beyond which it is told."""
+_MATTERS = 0.03
+"""Relative error of a torque that matters."""
+_OF_THE_REST = 0.5
+"""What a saturation explains of the load torque over what is left of it: less may be what the law of friction lacks."""
+_STEEPER = 5.0
+"""Between the widths of the two changes of direction that stand for friction near zero speed."""
+_RELATED = 0.8
+"""Correlation of two torques below which one is not that of the other's joint."""
+
+
+class TwoTorques(NamedTuple):
+    """load torque = gain * torque, or = (small_gain + bend * torque²) * torque, beside inertia, friction and offset.
+
+    Attributes:
+        gain: [1]
+        gain_deviation: Its standard deviation, for blocks that err alike [1].
+        small_gain: Gain at small torques [1].
+        small_gain_deviation: Its standard deviation [1].
+        bend: Change of the gain with the square of the torque [1 / torque²].
+        bend_deviation: Its standard deviation.
+        largest: Largest torque that occurs for long [as torque].
+        unexplained: What is left, over the deviation of the load torque.
+        straight_unexplained: The same without the bend.
+    """
+
+    gain: float
+    gain_deviation: float
+    small_gain: float
+    small_gain_deviation: float
+    bend: float
+    bend_deviation: float
+    largest: float
+    unexplained: float
+    straight_unexplained: float
+
+    @property
+    def loss(self) -> float:
+        """Part of the torque that is lost at the largest one."""
+        return -self.bend * self.largest**2 / self.small_gain if self.small_gain > 0.0 else 0.0
+
+    @property
+    def saturates(self) -> bool:
+        """Whether a loss at large torques is sure, matters, and explains more than the law of friction may leave."""
+        bent = self.straight_unexplained**2 - self.unexplained**2
+        return (
+            self.bend < -_CERTAIN * self.bend_deviation
+            and self.loss > max(_MATTERS, self.unexplained)
+            and bent > (_OF_THE_REST * self.unexplained) ** 2
+        )
+
+    @property
+    def told_gain(self) -> tuple[float, float]:
+        """The gain, at small torques where the motor saturates, and its standard deviation."""
+        small = self.small_gain, self.small_gain_deviation
+        return small if self.saturates else (self.gain, self.gain_deviation)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether this gain is not one: a smaller error may be a part of what friction leaves of the load torque."""
+        gain, deviation = self.told_gain
+        return abs(gain - 1.0) > max(_CERTAIN * deviation, _MATTERS, self.unexplained)
 
 
 def find_torque_gain(recording: Recording) -> tuple[Finding, ...]:
@@ -21,3 +95,37 @@ def find_torque_gain(recording: Recording) -> tuple[Finding, ...]:
     message = f"{said}, {100 * fit.unexplained:.2g} % of its deviation left"
     advice = f"write scale = {fit.gain:.4g} for torque in a mapping, or take load_torque for torque"
     return (Finding("torque_gain", "warning", message, advice, column="torque"),)
+
+
+def fit_two_torques(recording: Recording) -> TwoTorques | None:
+    """Compare the motor's torque with that of a sensor; None where there is none, or both are hardly related."""
+    if recording.load_torque is None or len(recording) < 60 * _ALIKE_ROWS:
+        return None
+    count = len(recording) // _ALIKE_ROWS * _ALIKE_ROWS
+    time, position, torque, load = (
+        np.asarray(values)[:count].reshape(-1, _ALIKE_ROWS).mean(axis=1)
+        for values in (recording.time, recording.position, recording.torque, recording.load_torque)
+    )
+    velocity = np.gradient(position, time)
+    slow = float(np.percentile(np.abs(velocity), 98)) * _SLOW
+    slow = max(slow, 1e-300)
+    friction = [np.tanh(velocity / slow), np.tanh(_STEEPER * velocity / slow), velocity, velocity * np.abs(velocity)]
+    beside = [np.gradient(velocity, time), *friction, np.ones(time.size)]
+    size = float(np.std(load))
+    if float(np.std(torque)) == 0.0 or size == 0.0 or abs(np.corrcoef(torque, load)[0, 1]) < _RELATED:
+        return None
+    gain, gain_deviation, straight = _solve_first(np.column_stack([torque, *beside]), load, 1)
+    solved, deviations, left = _solve_first(np.column_stack([torque, torque**3, *beside]), load, 2)
+    largest = float(np.quantile(np.abs(torque), 0.99))
+    return TwoTorques(
+        float(gain[0]), float(gain_deviation[0]), float(solved[0]), float(deviations[0]), float(solved[1]),
+        float(deviations[1]), largest, left / size, straight / size,
+    )  # fmt: skip
+
+
+def _solve_first(table: Samples, target: Samples, count: int) -> tuple[Samples, Samples, float]:
+    """The first parameters by least squares, their standard deviations, and what is left."""
+    solution = np.asarray(np.linalg.lstsq(table, target, rcond=None)[0], dtype=np.float64)
+    left = float(np.std(target - table @ solution))
+    spread = left * np.sqrt(_ALIKE * np.diag(np.linalg.pinv(table.T @ table)))
+    return solution[:count], spread[:count], left

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.recording.checks.torque_causes import fit_joint
+from fricomp.recording.checks.joint_fit import fit_joint
 from fricomp.recording.named.clock import TIME_UNITS, find_stamps
 from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis

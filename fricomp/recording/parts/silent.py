@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.torque_causes import BlockMotion, average_motion, build_design
+from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design
 from fricomp.recording.recording import Recording
 from fricomp.root_mean_square import compute_rms
 

@@ -7,7 +7,7 @@ from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, check_recording
 from fricomp.recording.checks.motion_kind import fit_clamp
-from fricomp.recording.checks.torque_causes import fit_two_torques
+from fricomp.recording.checks.torque_sensor import fit_two_torques
 
 from ..joint_log import joint_log
 

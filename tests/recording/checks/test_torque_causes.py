@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fricomp.recording import Recording, check_recording
-from fricomp.recording.checks.torque_causes import find_unsigned_torque
+from fricomp.recording.checks.register import find_unsigned_torque
 from fricomp.recording.finding import Finding
 
 from ..joint_log import joint_log
