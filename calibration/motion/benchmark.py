@@ -13,8 +13,9 @@ from fricomp.recording import Recording
 
 from ..identification import Status
 from ..seed_study import Score, SeedStudy, score
-from .joint_samples import choose_settings, sample_joint
-from .rigid_body import identify_motion
+from .cutoffs import choose_settings
+from .identify import identify_motion
+from .joint_samples import sample_joint
 
 __all__ = ["MotionStudy", "draw_joint", "study_motions"]
 

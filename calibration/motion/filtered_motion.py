@@ -10,8 +10,9 @@ from fricomp.errors import IdentificationError
 
 from ..identification import Status
 from ..identification.doubt import doubted
+from .identify import MotionIdentification
 from .joint_samples import JointSamples, RegressionSettings
-from .rigid_body import MotionIdentification, fit_rigid_body
+from .rigid_body import fit_rigid_body
 
 _LATE = 0.01
 """Lag of the motion behind the torque that no bus explains [s]."""

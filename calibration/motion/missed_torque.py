@@ -10,8 +10,9 @@ from fricomp.errors import IdentificationError
 
 from ..identification import Status
 from ..identification.doubt import doubted
+from .identify import MotionIdentification
 from .joint_samples import JointSamples, RegressionSettings
-from .rigid_body import MotionIdentification, RigidBodyFit, fit_rigid_body
+from .rigid_body import RigidBodyFit, fit_rigid_body
 
 _HEAVY = 0.5
 """What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""

@@ -10,8 +10,8 @@ from fricomp.control.compensation.trust import find_doubt_in_status
 
 from ..identification import Status
 from ..identification.doubt import doubted
+from .identify import MotionIdentification
 from .joint_samples import RecordedMotion
-from .rigid_body import MotionIdentification
 
 _MUCH = 0.05
 """Root mean square of what is unexplained over that of the friction, from which on its intervals do not hold. Of 20

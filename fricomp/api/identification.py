@@ -15,7 +15,7 @@ from fricomp.calibration.identification import (
     save_discrepancy,
     save_identification,
 )
-from fricomp.calibration.motion.rigid_body import MotionIdentification
+from fricomp.calibration.motion.identify import MotionIdentification
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.model import FrictionModel
 from fricomp.overview import Overview, Shown

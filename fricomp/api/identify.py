@@ -17,15 +17,11 @@ from fricomp.calibration.identification import IdentificationResult, fit_discrep
 from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.calibration.identification.exponent import FIXED_LAW, FREE_LAW, asks_for_exponent, is_shown
 from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
-from fricomp.calibration.motion.joint_samples import (
-    RegressionSettings,
-    choose_settings,
-    sample_joint,
-    split_for,
-)
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import MotionIdentification
+from fricomp.calibration.motion.joint_samples import RegressionSettings, sample_joint, split_for
 from fricomp.calibration.motion.missed_torque import find_missed_gravity
 from fricomp.calibration.motion.parts import read_motion_recording
-from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording

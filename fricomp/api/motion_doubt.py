@@ -10,6 +10,7 @@ import numpy as np
 from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.doubt import doubted
 from fricomp.calibration.motion.filtered_motion import doubt_for_filter, find_motion_filter
+from fricomp.calibration.motion.identify import MotionIdentification
 from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
 from fricomp.calibration.motion.missed_torque import (
     MissedTorque,
@@ -21,7 +22,6 @@ from fricomp.calibration.motion.missed_torque import (
     find_level_gravity,
     find_missed_spring,
 )
-from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.calibration.motion.unexplained import doubt_for_unexplained, tell_unexplained
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.evaluation import find_friction_change

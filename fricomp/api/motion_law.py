@@ -10,8 +10,8 @@ import numpy as np
 from fricomp.calibration import IdentificationOptions
 from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.doubt import doubted
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
 from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import IdentificationError
 

@@ -13,7 +13,7 @@ import fricomp
 from fricomp.api import motion_law
 from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.doubt import doubted
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 from fricomp.sim_bench.studies.logs.good_log import COULOMB, VISCOUS, joint_log

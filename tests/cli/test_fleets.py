@@ -27,7 +27,7 @@ def diagnosed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         names.append(joint.name)
         return build_fleet_row(DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict="consistent"))
 
-    monkeypatch.setattr("fricomp.cli.diagnose._diagnose_one", at_once)
+    monkeypatch.setattr("fricomp.cli.diagnosis.fleet._diagnose_one", at_once)
     return names
 
 

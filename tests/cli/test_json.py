@@ -87,7 +87,7 @@ def fleet(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
             raise FricompError("cannot be read")
         return build_fleet_row(DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict=VERDICTS[joint.name]))  # type: ignore[arg-type]
 
-    monkeypatch.setattr("fricomp.cli.diagnose._diagnose_one", at_once)
+    monkeypatch.setattr("fricomp.cli.diagnosis.fleet._diagnose_one", at_once)
     return tmp_path
 
 

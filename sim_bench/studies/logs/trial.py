@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Literal
 
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.calibration.motion.parts import read_motion_recording
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import FricompError
 from fricomp.recording import Recording

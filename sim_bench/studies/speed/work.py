@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from fricomp.calibration import identify
 from fricomp.calibration.batch.identification import identify_batch
 from fricomp.calibration.batch.throughput import draw_joints
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.calibration.motion.parts import read_motion_recording
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.diagnosis import diagnose
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording, read_recording, write_recording

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.recording import Recording
 
 INERTIA, COULOMB = 0.011, 0.9

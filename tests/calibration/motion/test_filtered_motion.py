@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from fricomp.calibration.motion.cutoffs import choose_settings
 from fricomp.calibration.motion.filtered_motion import find_motion_filter
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
-from fricomp.calibration.motion.rigid_body import identify_motion
+from fricomp.calibration.motion.identify import identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.recording import Recording
 
 RATE, INERTIA, VISCOUS, COULOMB = 500.0, 0.06, 0.5, 1.4

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.calibration.motion.parts import read_motion_recording
-from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench.studies.logs.good_log import COULOMB, INERTIA, VISCOUS, joint_log

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import fricomp
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.recording import Recording, write_recording
 
 INERTIA, COULOMB, VISCOUS = 0.02, 0.3, 0.1

@@ -3,14 +3,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.calibration.motion.joint_samples import (
-    JointSamples,
-    RegressionSettings,
-    choose_settings,
-    sample_joint,
-    split_for,
-)
-from fricomp.calibration.motion.rigid_body import MotionIdentification, fit_rigid_body, identify_motion
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
+from fricomp.calibration.motion.joint_samples import JointSamples, RegressionSettings, sample_joint, split_for
+from fricomp.calibration.motion.rigid_body import fit_rigid_body
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, Coulomb, FloatArray, FrictionLaw, StribeckCurve, Viscous
 from fricomp.model import FrictionModel

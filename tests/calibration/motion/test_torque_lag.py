@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
-from fricomp.calibration.motion.rigid_body import identify_motion
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.recording import Recording
 
 _INERTIA, _COULOMB, _VISCOUS = 0.03, 0.4, 0.15

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fricomp.cli.diagnose import DiagnosisRun, _print_diagnosis
+from fricomp.cli.diagnosis.joint import DiagnosisRun, print_diagnosis
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
 from fricomp.diagnosis.record.brief import TOO_MUCH_LEFT
 from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
@@ -126,7 +126,7 @@ def test_the_answer_of_two_effects_fits_a_small_terminal(
 ) -> None:
     monkeypatch.setenv("COLUMNS", columns)
     diagnosis = Diagnosis(_record(_RIPPLE, _LOAD))
-    _print_diagnosis(DiagnosisRun(diagnosis, (Path("diagnosis.json"), Path("where.png")), ()), Path("runs/why"))
+    print_diagnosis(DiagnosisRun(diagnosis, (Path("diagnosis.json"), Path("where.png")), ()), Path("runs/why"))
     said = capsys.readouterr().out
     assert len(said.splitlines()) <= lines
     assert "amplitude" in said
