@@ -14,7 +14,8 @@ from fricomp.model import Motion
 
 from .equation import Along, JointEquation, align_torque
 from .equation_rollout import simulate_equation
-from .motion import MotionPart
+from .errors import Simulate, Spans, TorqueLeft, compare_torque
+from .motion import MotionPart, RecordedMotion
 
 Index = NDArray[np.intp]
 
@@ -69,3 +70,28 @@ class EquationJoint(EvaluatedJoint):
     def align_torque(self, part: MotionPart) -> FloatArray:
         """See `EvaluatedJoint`."""
         return align_torque(part, self.equation.dynamics.torque_delay)
+
+
+class JointAlong:
+    """A model of a joint along all parts of a recorded motion.
+
+    Args:
+        joint: The model.
+        motion: The recording.
+    """
+
+    def __init__(self, joint: EvaluatedJoint, motion: RecordedMotion) -> None:
+        self._joint, self._motion = joint, motion
+        self._along = [joint.follow(part, motion.rest_speed) for part in motion.parts]
+        self.torque = [one.torque for one in self._along]
+        self.recorded = [joint.align_torque(part) for part in motion.parts]
+
+    def compare_torque(self, spans: Spans | None = None) -> TorqueLeft:
+        """What the model leaves of the recorded torque, in these times [s]; in all of them if None."""
+        return compare_torque(self._motion, self.recorded, self.torque, spans)
+
+    @property
+    def simulate(self) -> Simulate:
+        """Simulates a part from measured states."""
+        parts, joint, along = self._motion.parts, self._joint, self._along
+        return lambda number, starts, lengths: joint.simulate(parts[number], along[number], starts, lengths)

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.blas import one_blas_thread
 from fricomp.errors import RecordingError
-from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording, read_recording
 
-from .errors import Spans, measure_positions, measure_torque
-from .evaluated import EvaluatedJoint
+from .errors import Spans, measure_positions, summarise_torque
+from .evaluated import EvaluatedJoint, JointAlong
 from .motion import RecordedMotion, read_motion
 from .reading import read_model
 from .result import Evaluation
@@ -87,14 +82,9 @@ def evaluate_joint(
     """
     _require_unit(model, recording)
     motion = motion or read_motion(recording, band=band)
-    along = [model.follow(part, motion.rest_speed) for part in motion.parts]
-    recorded = [model.align_torque(part) for part in motion.parts]
-    torque = measure_torque(motion, recorded, [one.torque for one in along], spans)
-
-    def simulate(number: int, starts: NDArray[np.intp], lengths: Sequence[int]) -> FloatArray:
-        return model.simulate(motion.parts[number], along[number], starts, lengths)
-
-    found = measure_positions(motion, simulate, spans) if positions else ()
+    along = JointAlong(model, motion)
+    torque = summarise_torque(motion, [along.compare_torque(spans)])
+    found = measure_positions(motion, along.simulate, spans) if positions else ()
     return Evaluation(model.name, torque, found, (*model.notes, *_describe_motion(motion)))
 
 

@@ -10,16 +10,12 @@ from numpy.typing import NDArray
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
-from .equation import Along
 from .errors import (
-    Simulate,
     compare_positions,
-    compare_torque,
-    measure_torque,
     summarise_positions,
     summarise_torque,
 )
-from .evaluated import EvaluatedJoint
+from .evaluated import JointAlong
 from .motion import RecordedMotion, low_pass
 from .reading import build_evaluated
 from .refit import split_folds
@@ -43,22 +39,12 @@ def evaluate_folds(name: str, models: Sequence[FrictionModel], motion: RecordedM
     torque = []
     found: dict[float, list[tuple[FloatArray, FloatArray]]] = {}
     for model, spans in zip(models, split_folds(motion), strict=True):
-        joint = build_evaluated(model, name)
-        along = [joint.follow(part, motion.rest_speed) for part in motion.parts]
-        recorded = [joint.align_torque(part) for part in motion.parts]
-        torque.append(compare_torque(motion, recorded, [one.torque for one in along], spans))
-        simulate = _build_simulation(joint, motion, along)
-        pairs = compare_positions(motion, simulate, spans, max(EVALUATION.starts // len(models), 1))
+        along = JointAlong(build_evaluated(model, name), motion)
+        torque.append(along.compare_torque(spans))
+        pairs = compare_positions(motion, along.simulate, spans, max(EVALUATION.starts // len(models), 1))
         for horizon, each in pairs.items():
             found.setdefault(horizon, []).extend(each)
     return Evaluation(name, summarise_torque(motion, torque), summarise_positions(motion, found))
-
-
-def _build_simulation(joint: EvaluatedJoint, motion: RecordedMotion, along: Sequence[Along]) -> Simulate:
-    def simulate(number: int, starts: Index, lengths: Sequence[int]) -> FloatArray:
-        return joint.simulate(motion.parts[number], along[number], starts, lengths)
-
-    return simulate
 
 
 def measure_torque_error(model: FrictionModel, motion: RecordedMotion) -> TorqueError:
@@ -67,15 +53,14 @@ def measure_torque_error(model: FrictionModel, motion: RecordedMotion) -> Torque
     Raises:
         RecordingError: The joint hardly moves.
     """
-    joint = build_evaluated(model, "the model")
-    along = [joint.follow(part, motion.rest_speed).torque for part in motion.parts]
-    return measure_torque(motion, [joint.align_torque(part) for part in motion.parts], along)
+    along = JointAlong(build_evaluated(model, "the model"), motion)
+    return summarise_torque(motion, [along.compare_torque()])
 
 
 def compute_missing_torque(model: FrictionModel, motion: RecordedMotion) -> list[FloatArray]:
     """Recorded torque less that of the model in the band, at all samples of each part; each of shape (n,)."""
-    joint = build_evaluated(model, "the model")
+    along = JointAlong(build_evaluated(model, "the model"), motion)
     return [
-        low_pass(joint.align_torque(part) - joint.follow(part, motion.rest_speed).torque, motion.band, part.dt)
-        for part in motion.parts
+        low_pass(recorded - torque, motion.band, part.dt)
+        for part, recorded, torque in zip(motion.parts, along.recorded, along.torque, strict=True)
     ]

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import ExportError
 from fricomp.export import MjcfWay, SimulatorExport, apply_to_mjcf, export_mjcf
@@ -22,7 +20,6 @@ from fricomp.laws import (
     BidirectionalStribeck,
     Cogging,
     Coulomb,
-    FloatArray,
     FrictionLaw,
     LuGre,
     SpringTorque,
@@ -34,7 +31,7 @@ from fricomp.laws import (
 from fricomp.model import FrictionModel, JointDynamics
 
 from .errors import compare_positions, summarise_positions
-from .evaluated import EvaluatedJoint
+from .evaluated import EvaluatedJoint, JointAlong
 from .motion import RecordedMotion
 from .reading import build_evaluated
 from .refit import refit_model
@@ -220,12 +217,7 @@ def _shorten(motion: RecordedMotion) -> RecordedMotion:
 
 
 def _simulate(joint: EvaluatedJoint, motion: RecordedMotion) -> tuple[PositionError, ...]:
-    along = [joint.follow(part, motion.rest_speed) for part in motion.parts]
-
-    def simulate(number: int, starts: NDArray[np.intp], lengths: Sequence[int]) -> FloatArray:
-        return joint.simulate(motion.parts[number], along[number], starts, lengths)
-
-    return summarise_positions(motion, compare_positions(motion, simulate, None, MJCF.starts))
+    return summarise_positions(motion, compare_positions(motion, JointAlong(joint, motion).simulate, None, MJCF.starts))
 
 
 def _read(text: str, joint: str) -> SimulatedJoint:

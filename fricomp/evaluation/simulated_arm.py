@@ -21,8 +21,9 @@ from .arm_motion import ArmMotion
 from .arm_run import ArmRun
 from .equation import follow_law
 from .equation_rollout import count_substeps
+from .mujoco_run import invert_motion, place, roll_out, set_step, spread_torque
 from .settings import EVALUATION
-from .simulated_joint import hold_others, spread_torque
+from .simulated_joint import hold_others
 
 __all__ = ["SimulatedArm", "read_simulated_arm"]
 
@@ -96,35 +97,13 @@ class SimulatedArm:
             return self._roll_out(motion, part, along, starts, lengths)
         return self._roll_out_with_laws(motion, part, along, starts, lengths)
 
-    def _set_step(self, dt: float, finest: int = 1) -> int:
-        """Simulation steps of a sample."""
-        substeps = max(int(np.ceil(dt / self.step - 1e-6)), finest)
-        self.model.opt.timestep = dt / substeps
-        return substeps
-
     def _invert(self, motion: ArmMotion, part: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Torque of the file's arm, torque that its gears transmit, and activations, at each sample."""
-        import mujoco
-
-        model, substeps = self.model, self._set_step(motion.dt)
+        model, substeps = self.model, set_step(self.model, motion.dt, self.step)
         position, velocity, acceleration = (
             self._spread(motion.stack(part, name)) for name in ("position", "smooth_velocity", "acceleration")
         )
-        data, n = mujoco.MjData(model), position.shape[0]
-        torque, states = np.empty((n, model.nv)), np.empty((model.na, n))
-        for k in range(n):
-            data.qpos[:], data.qvel[:] = position[k], velocity[k]
-            passive: Any = 0.0
-            if model.na or model.nu:  # a passive motor has a state and no control, a constant force the reverse
-                states[:, k] = data.act
-                mujoco.mj_forward(model, data)
-                passive = data.qfrc_actuator.copy()
-            data.qacc[:] = acceleration[k]
-            mujoco.mj_inverse(model, data)
-            torque[k] = data.qfrc_inverse - passive
-            for _ in range(substeps if model.na else 0):
-                data.qpos[:], data.qvel[:] = position[k], velocity[k]
-                mujoco.mj_step(model, data)
+        torque, states = invert_motion(model, position, velocity, acceleration, substeps)
         load = torque - np.asarray(model.dof_armature) * acceleration
         return torque[:, self.order], load[:, self.order], states
 
@@ -134,32 +113,25 @@ class SimulatedArm:
         result[..., list(self.order)] = values
         return result
 
-    def _start(self, motion: ArmMotion, part: int, along: ArmAlong, start: int, data: Any) -> None:
-        data.qpos[:] = self._spread(motion.stack(part, "position")[start])
-        data.qvel[:] = self._spread(motion.stack(part, "velocity")[start])
-        data.act[:] = along.activation[:, start]
+    def _list_starts(
+        self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Positions, velocities and activations at these samples, each of shape (n_starts, ...)."""
+        position, velocity = (self._spread(motion.stack(part, name)[starts]) for name in ("position", "velocity"))
+        return position, velocity, along.activation[:, starts].T
+
+    def _drive(self, motion: ArmMotion, part: int, starts: Index, length: int, substeps: int) -> FloatArray:
+        """Torques of the recorded joints at each step. Shape (n_starts, n_steps, n_joints)."""
+        torque = motion.stack(part, "torque")
+        return np.stack([spread_torque(column, starts, length, substeps) for column in torque.T], axis=-1)
 
     def _roll_out(
         self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index, lengths: Sequence[int]
     ) -> FloatArray:
-        import mujoco
-        from mujoco import rollout
-
-        model, substeps, data = self.model, self._set_step(motion.dt), mujoco.MjData(self.model)
-        kind = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        initial = np.empty((starts.size, mujoco.mj_stateSize(model, kind)))
-        for row, start in enumerate(starts):
-            self._start(motion, part, along, int(start), data)
-            mujoco.mj_getState(model, data, initial[row], kind)
-        torque = motion.stack(part, "torque")
-        drive = [spread_torque(column, starts, lengths[-1], substeps) for column in torque.T]
-        control = self._spread(np.stack(drive, axis=-1))
-        spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
-        state, _ = rollout.rollout(model, data, initial, control, control_spec=spec)
-        ends = np.array([substeps * length - 1 for length in lengths])
-        moved = state[:, ends, 1 : 1 + model.nq]  # behind the time
-        result: FloatArray = moved.transpose(1, 0, 2)[:, :, list(self.order)]
-        return result
+        substeps = set_step(self.model, motion.dt, self.step)
+        drive = self._spread(self._drive(motion, part, starts, lengths[-1], substeps))
+        states = self._list_starts(motion, part, along, starts)
+        return roll_out(self.model, states, drive, substeps * np.array(lengths))[:, :, list(self.order)]
 
     def _roll_out_with_laws(
         self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index, lengths: Sequence[int]
@@ -169,17 +141,16 @@ class SimulatedArm:
 
         assert self.laws is not None
         data = [mujoco.MjData(self.model) for _ in starts]
-        for one, start in zip(data, starts, strict=True):
-            self._start(motion, part, along, int(start), one)
-        substeps = self._set_step(motion.dt, self._count_substeps(motion, part))
+        for one, state in zip(data, zip(*self._list_starts(motion, part, along, starts), strict=True), strict=True):
+            place(one, *state)
+        substeps = set_step(self.model, motion.dt, self.step, self._count_substeps(motion, part))
         top = np.array([max(float(np.max(np.abs(one.parts[part].velocity))), 1e-9) for one in motion.joints])
         run = ArmRun(self.model, self.order, [None if one is None else one.law for one in self.laws], data, top)
         run.remember(along.states, starts)
-        torque = motion.stack(part, "torque")
-        drive = [spread_torque(column, starts, lengths[-1], substeps) for column in torque.T]
+        drive = self._drive(motion, part, starts, lengths[-1], substeps)
         result = np.empty((len(lengths), starts.size, len(self.order)))
         for step in range(lengths[-1] * substeps):
-            run.advance(np.stack([one[:, step] for one in drive], axis=1))
+            run.advance(drive[:, step].copy())
             for i, length in enumerate(lengths):
                 if step + 1 == length * substeps:
                     result[i] = run.position

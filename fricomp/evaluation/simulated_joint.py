@@ -19,6 +19,7 @@ from fricomp.simulation_file import read_specification
 from .equation import Along
 from .evaluated import EvaluatedJoint
 from .motion import MotionPart
+from .mujoco_run import invert_motion, roll_out, set_step, spread_torque
 from .settings import EVALUATION
 
 Index = NDArray[np.intp]
@@ -41,33 +42,21 @@ class SimulatedJoint(EvaluatedJoint):
     @silence_mujoco()
     def follow(self, part: MotionPart, rest_speed: float) -> Along:
         """Torque by inverse dynamics, and the states of passive motors; a resting joint takes what the drive gives."""
-        torque, states = _follow(self.model, part, self._set_step(part.dt))
+        position, velocity, acceleration = (
+            one[:, None] for one in (part.position, part.smooth_velocity, part.acceleration)
+        )
+        substeps = set_step(self.model, part.dt, self.step)
+        torque, states = invert_motion(self.model, position, velocity, acceleration, substeps)
         rests = np.abs(part.smooth_velocity) <= rest_speed
-        return Along(np.where(rests, part.torque, torque), (states,))
+        return Along(np.where(rests, part.torque, torque[:, 0]), (states,))
 
     @silence_mujoco()
     def simulate(self, part: MotionPart, along: Along, starts: Index, lengths: Sequence[int]) -> FloatArray:
         """See `EvaluatedJoint`; all simulations run in one call of `mujoco.rollout`."""
-        import mujoco
-        from mujoco import rollout
-
-        model, substeps = self.model, self._set_step(part.dt)
-        data = mujoco.MjData(model)
-        kind = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        initial = np.empty((starts.size, mujoco.mj_stateSize(model, kind)))
-        for row, start in enumerate(starts):
-            data.qpos[0], data.qvel[0], data.act[:] = (
-                part.position[start],
-                part.velocity[start],
-                along.states[0][:, start],
-            )
-            mujoco.mj_getState(model, data, initial[row], kind)
+        substeps = set_step(self.model, part.dt, self.step)
+        states = part.position[starts, None], part.velocity[starts, None], along.states[0][:, starts].T
         drive = spread_torque(part.torque, starts, lengths[-1], substeps)
-        spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
-        state, _ = rollout.rollout(model, data, initial, drive[:, :, None], control_spec=spec)
-        ends = np.array([substeps * length - 1 for length in lengths])
-        result: FloatArray = state[:, ends, 1].T  # behind the time
-        return result
+        return roll_out(self.model, states, drive[:, :, None], substeps * np.array(lengths))[:, :, 0]
 
     def measure_dynamics(self) -> JointDynamics:
         """Inertia and gravity about the joint, by MuJoCo's own recursion."""
@@ -90,12 +79,6 @@ class SimulatedJoint(EvaluatedJoint):
         """The straight spring of the joint; None where it has none."""
         stiffness = float(np.ravel(self.model.jnt_stiffness[0])[0])
         return SpringTorque(stiffness, float(self.model.qpos_spring[0])) if stiffness > 0.0 else None
-
-    def _set_step(self, dt: float) -> int:
-        """Simulation steps of a sample."""
-        substeps = int(np.ceil(dt / self.step - 1e-6))
-        self.model.opt.timestep = dt / substeps
-        return substeps
 
 
 def read_simulated_joint(path: str | Path, joint: str | None, *, named: bool = True) -> SimulatedJoint:
@@ -160,34 +143,3 @@ def hold_others(spec: Any, kept: Sequence[str], *, passive: bool = True) -> None
     for one in list(spec.joints):
         if one.name not in kept:
             spec.delete(one)
-
-
-def _follow(model: Any, part: MotionPart, substeps: int) -> tuple[FloatArray, FloatArray]:
-    """Torque that the motion takes at each sample, and the activations there. Shapes (n,) and (n_activations, n)."""
-    import mujoco
-
-    data = mujoco.MjData(model)
-    n = part.time.size
-    torque, states = np.empty(n), np.empty((model.na, n))
-    position, velocity, acceleration = part.position.tolist(), part.smooth_velocity.tolist(), part.acceleration.tolist()
-    for k in range(n):
-        data.qpos[0], data.qvel[0] = position[k], velocity[k]
-        passive = 0.0
-        if model.na or model.nu:  # a passive motor has a state and no control, a constant force the reverse
-            states[:, k] = data.act
-            mujoco.mj_forward(model, data)
-            passive = float(data.qfrc_actuator[0])
-        data.qacc[0] = acceleration[k]
-        mujoco.mj_inverse(model, data)
-        torque[k] = float(data.qfrc_inverse[0]) - passive
-        for _ in range(substeps if model.na else 0):
-            data.qpos[0], data.qvel[0] = position[k], velocity[k]
-            mujoco.mj_step(model, data)
-    return torque, states
-
-
-def spread_torque(torque: FloatArray, starts: Index, length: int, substeps: int) -> FloatArray:
-    """Mean torque over each step of each simulation. Shape (n_starts, length * substeps)."""
-    steps = (np.arange(length * substeps) + 0.5) / substeps
-    at = np.minimum(starts[:, None] + steps, torque.size - 1.0)
-    return np.interp(at, np.arange(torque.size), torque)
