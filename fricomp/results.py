@@ -12,122 +12,17 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
-
-import msgspec
 
 from fricomp.errors import OutputError, ParameterError
 from fricomp.folder_lock import FolderLock
-from fricomp.untrusted import find_place, parse_json, read_whole
+from fricomp.result_kinds import RECORDED, Results
+from fricomp.untrusted import find_place
 from fricomp.whole_file import remove_abandoned_parts
-
-__all__ = [
-    "ARM",
-    "ARM_CASE",
-    "CALIBRATION",
-    "CASE",
-    "DIAGNOSIS",
-    "FIGURES",
-    "FLEET",
-    "IDENTIFICATION",
-    "INJECTED_CASE",
-    "RUN",
-    "TORQUE_CONSTANT",
-    "Claim",
-    "Results",
-    "claim_file",
-    "claim_folder",
-    "claim_single_files",
-    "find_results",
-    "make_folder",
-    "plain_name",
-    "require_folder",
-    "require_free",
-    "require_free_file",
-]
 
 _LONGEST_NAME = 100  # characters of a joint's name in that of a file
 _MOST_SHOWN = 6  # files that a refusal names
-
-
-@dataclass(frozen=True)
-class Results:
-    """What a command writes into a folder.
-
-    Attributes:
-        kind: What it is, with its article: "a calibration".
-        files: Names of all files and folders that it may write, as patterns.
-        record: The file among them that says that all are of this kind; empty where none does.
-        schema: How the `schema` in the record begins; empty where it has none.
-    """
-
-    kind: str
-    files: tuple[str, ...]
-    record: str = ""
-    schema: str = ""
-
-    def are_in(self, folder: Path) -> bool:
-        """Whether the folder holds results of this kind, be they of another version or damaged otherwise."""
-        if not self.record:
-            return False
-        path = folder / self.record
-        if not self.schema:
-            return path.exists()
-        try:
-            content: Any = parse_json(read_whole(path))
-        except (OSError, msgspec.MsgspecError):
-            return False
-        return isinstance(content, dict) and str(content.get("schema")).startswith(self.schema)
-
-
-CALIBRATION = Results(
-    "a calibration",
-    ("run.json", "recording.csv", "motion-alone.csv", "friction.json", "friction.onnx", "report.html",
-     "friction-curve.png", "acquisition.png", "residuals.png", "correlation.png", "training.png"),
-    "run.json", "fricomp.run/",
-)  # fmt: skip
-DIAGNOSIS = Results(
-    "a diagnosis",
-    ("diagnosis.json", "friction.json", "friction.onnx", "friction.xml", "held_out.json", "report.html", "motion.csv",
-     "torque-error.png",
-     "over-time-[0-9]*.png", "where.png", "planes.png", "orders.png", "rivals.png",
-     "distinguishability.png", "motion.png"),
-    "diagnosis.json", "fricomp.diagnosis/",
-)  # fmt: skip
-IDENTIFICATION = Results(
-    "an identification",
-    ("friction.json", "friction.onnx", "friction_departed.onnx", "report.html", "friction-curve.png", "residuals.png",
-     "training.png"),
-)  # fmt: skip
-RUN = Results(
-    "a run",
-    (
-        "without_compensation_*.csv", "with_compensation_*.csv", "run-*.png", "timing.png", "figures.json",
-        "run.html",
-    ),
-    "run.html",
-)  # fmt: skip
-ARM = Results(
-    "an arm", ("arm.json", "arm.xml", "report.html", "errors.png", "residuals.png", "joints"),
-    "arm.json", "fricomp.arm/",
-)  # fmt: skip
-EXCITATION = Results(
-    "a recorded motion of an arm", ("excitation.json", "excitation.png", "recordings"),
-    "excitation.json", "fricomp.excitation/",
-)  # fmt: skip
-ARM_CASE = Results("a case of an arm", ("arm.xml", "log"))
-CASE = Results("a case", ("recording.parquet", "joint.xml", "loop.toml", "friction.json"))
-INJECTED_CASE = Results("a recording with an effect put into it", ("recording.parquet", "recording_[0-9]*.parquet"))
-FLEET = Results("a fleet of joints", ("fleet.json", "fleet.parquet", "fleet.html", "rows"), "fleet.json")
-FIGURES = Results("figures of a benchmark", ("figures.json", "report.html", "*.png", "close_loop"))
-TORQUE_CONSTANT = Results(
-    "a torque constant", ("torque_constant.json", "bare-*.csv", "loaded-*.csv", "bare.xml", "loaded.xml"),
-    "torque_constant.json",
-)  # fmt: skip
-_RECORDED = (ARM, CALIBRATION, DIAGNOSIS, EXCITATION, FLEET, RUN, TORQUE_CONSTANT)
 
 
 def require_folder(folder: Path) -> None:
@@ -205,8 +100,8 @@ def require_free(
         raise OutputError(
             f"{folder} holds the link {links[0]}, which is not followed: remove it, or choose another --out"
         )
-    other = next((each for each in _RECORDED if each is not results and each.are_in(folder)), None)
-    if other is not None and not results.are_in(folder) and set(results.files) & set(_files_of(folder, other)):
+    other = next((each for each in RECORDED if each is not results and each.are_in(folder)), None)
+    if other is not None and not results.are_in(folder) and set(results.files) & set(other.list_files(folder)):
         raise OutputError(
             f"{folder} holds {other.kind} ({other.record}), and {results.kind} would replace files of it: "
             "choose another --out"
@@ -381,13 +276,6 @@ def _keep_inputs(folder: Path, results: Results, inputs: Collection[Path]) -> No
         place = find_place(path)
         if place.parent == find_place(folder) and any(fnmatchcase(place.name, pattern) for pattern in results.files):
             raise OutputError(f"{results.kind} into {folder} would write over its input {path}: choose another --out")
-
-
-def _files_of(folder: Path, results: Results) -> tuple[str, ...]:
-    """What results in a folder have or will have; a motion that was recorded alone has no model."""
-    if results is CALIBRATION and re.search(rb'"motion":\s*"[^"]', read_whole(folder / results.record)):
-        return CALIBRATION.files[:3]
-    return results.files
 
 
 def _names(names: list[str]) -> str:

@@ -6,18 +6,8 @@ import pytest
 
 from fricomp.errors import OutputError, ParameterError
 from fricomp.folder_lock import LOCK_FILE
-from fricomp.results import (
-    CALIBRATION,
-    DIAGNOSIS,
-    FIGURES,
-    IDENTIFICATION,
-    RUN,
-    Results,
-    claim_folder,
-    plain_name,
-    require_free,
-    require_free_file,
-)
+from fricomp.result_kinds import CALIBRATION, DIAGNOSIS, FIGURES, IDENTIFICATION, RUN, Results
+from fricomp.results import claim_folder, plain_name, require_free, require_free_file
 
 RECORDS = {
     CALIBRATION: ("run.json", '{"schema": "fricomp.run/1"}'),

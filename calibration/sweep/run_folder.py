@@ -15,7 +15,8 @@ import msgspec
 from fricomp.errors import OutputError, ParameterError, RecordingError, SweepAborted
 from fricomp.folder_lock import FolderLock
 from fricomp.recording import RecordingMetadata, RecordingWriter
-from fricomp.results import CALIBRATION, make_folder, require_free
+from fricomp.result_kinds import CALIBRATION
+from fricomp.results import make_folder, require_free
 from fricomp.untrusted import parse_json, read_whole
 from fricomp.version import __version__
 from fricomp.whole_file import remove_abandoned_parts, write_whole

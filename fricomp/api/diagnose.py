@@ -14,7 +14,8 @@ from fricomp.errors import DiagnosisError
 from fricomp.extras import require
 from fricomp.model import FrictionModel, load_model
 from fricomp.recording import Recording, read_recording
-from fricomp.results import DIAGNOSIS, claim_folder
+from fricomp.result_kinds import DIAGNOSIS
+from fricomp.results import claim_folder
 from fricomp.simulation_file import list_joints
 
 SHORTEST_RECORDING = 5.0

@@ -16,7 +16,8 @@ from fricomp.arm.output.files import write_arm
 from fricomp.errors import RecordingError
 from fricomp.extras import require
 from fricomp.recording import Recording
-from fricomp.results import ARM, claim_folder
+from fricomp.result_kinds import ARM
+from fricomp.results import claim_folder
 
 Source = str | os.PathLike[str]
 

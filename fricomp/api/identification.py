@@ -20,7 +20,8 @@ from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.model import FrictionModel
 from fricomp.overview import Overview, Shown
 from fricomp.recording.parts.parts import UsableParts
-from fricomp.results import IDENTIFICATION, claim_folder
+from fricomp.result_kinds import IDENTIFICATION
+from fricomp.results import claim_folder
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@ from fricomp.cli.option.panel import Overwrite
 from fricomp.cli.output import answer
 
 if TYPE_CHECKING:
-    from fricomp.results import Results
+    from fricomp.result_kinds import Results
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -61,7 +61,7 @@ def make(
         return
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.results import CASE
+    from fricomp.result_kinds import CASE
     from fricomp.sim_bench.cases import CaseSpec, derive_case_id, generate, write_answer, write_case
 
     spec = CaseSpec(
@@ -105,7 +105,7 @@ def _make_arm(out: Path, effects: list[str] | None, seed: int, duration: float, 
     from dataclasses import replace
 
     from fricomp.cli.terminal import console
-    from fricomp.results import ARM_CASE
+    from fricomp.result_kinds import ARM_CASE
     from fricomp.sim_bench.cases.arm import (
         arm_id,
         draw_spec,
@@ -144,7 +144,7 @@ def inject(
     import json
 
     from fricomp.cli.terminal import console
-    from fricomp.results import INJECTED_CASE
+    from fricomp.result_kinds import INJECTED_CASE
     from fricomp.sim_bench.studies.real import InjectedSpec
     from fricomp.sim_bench.studies.real import inject as inject_effect
     from fricomp.whole_file import write_whole

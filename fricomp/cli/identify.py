@@ -114,7 +114,8 @@ def identify(
     """Identify friction; with a recording, inertia, gravity and offset first; with an arm, all joints together."""
     from fricomp.api.identification import write_identification
     from fricomp.api.identify import IdentifySettings, identify_source
-    from fricomp.results import IDENTIFICATION, claim_folder, require_folder
+    from fricomp.result_kinds import IDENTIFICATION
+    from fricomp.results import claim_folder, require_folder
 
     require(*REPORT, "onnx")
     _refuse_unknown(law or "stribeck")

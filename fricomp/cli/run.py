@@ -89,7 +89,8 @@ def run(
     from fricomp.control.compensation.trust import require_usable
     from fricomp.extras import REPORT, require
     from fricomp.model import load_model
-    from fricomp.results import RUN, claim_folder
+    from fricomp.result_kinds import RUN
+    from fricomp.results import claim_folder
 
     _require_above_zero(
         inertia=inertia, bandwidth=[bandwidth], amplitude=[amplitude], frequency=[frequency], cycles=[cycles],

@@ -24,7 +24,8 @@ from fricomp.folder_lock import FolderLock
 from fricomp.model import Covariance, FrictionModel, Validity, encode_model
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
 from fricomp.report import Bars, Chart, Panel, ReportPage, Section, Table, write_report
-from fricomp.results import FLEET, make_folder
+from fricomp.result_kinds import FLEET
+from fricomp.results import make_folder
 
 from .joint import FleetJoint
 from .rows import FleetRow, begin_fleet, collect_rows

@@ -19,7 +19,8 @@ from typing import Any, NamedTuple
 
 from fricomp.errors import FricompError
 from fricomp.folder_lock import FolderLock
-from fricomp.results import FLEET, make_folder
+from fricomp.result_kinds import FLEET
+from fricomp.results import make_folder
 from fricomp.whole_file import write_whole
 
 from .executor import stream

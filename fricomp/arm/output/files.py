@@ -8,7 +8,8 @@ from fricomp.blas import one_blas_thread
 from fricomp.diagnosis.report import write_diagnosis
 from fricomp.errors import FricompError
 from fricomp.report import draw_png, write_report
-from fricomp.results import DIAGNOSIS, find_results, plain_name
+from fricomp.result_kinds import DIAGNOSIS
+from fricomp.results import find_results, plain_name
 from fricomp.whole_file import write_whole
 
 from ..examination import ArmExamination

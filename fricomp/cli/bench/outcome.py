@@ -23,7 +23,8 @@ def claim_study(out: Path, *packages: str, overwrite: bool) -> Iterator[None]:
         overwrite: Whether earlier results may be replaced.
     """
     from fricomp.extras import REPORT, require
-    from fricomp.results import FIGURES, claim_folder
+    from fricomp.result_kinds import FIGURES
+    from fricomp.results import claim_folder
 
     with claim_folder(out, FIGURES, overwrite=overwrite):
         require(*REPORT, *packages)

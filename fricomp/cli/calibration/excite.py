@@ -22,7 +22,8 @@ from fricomp.control.loop.interruption import interrupting_on_ending_signals
 from fricomp.errors import ParameterError
 from fricomp.recording import write_recording
 from fricomp.report import Chart, Line, Panel, draw_png
-from fricomp.results import EXCITATION, claim_folder, plain_name
+from fricomp.result_kinds import EXCITATION
+from fricomp.results import claim_folder, plain_name
 from fricomp.whole_file import write_json
 
 if TYPE_CHECKING:

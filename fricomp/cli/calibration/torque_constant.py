@@ -15,7 +15,8 @@ from fricomp.cli.calibration.start import follow
 from fricomp.cli.output import answer
 from fricomp.cli.terminal import console, progress
 from fricomp.recording import Recording, write_recording
-from fricomp.results import TORQUE_CONSTANT, claim_folder
+from fricomp.result_kinds import TORQUE_CONSTANT
+from fricomp.results import claim_folder
 from fricomp.whole_file import write_json
 
 __all__ = ["measure_torque_constant"]

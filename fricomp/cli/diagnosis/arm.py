@@ -177,7 +177,8 @@ def find_payload(log: ArmLog, simulation: Path, out: Path, options: ArmOptions, 
     from fricomp.arm.payload import diagnose_payload
     from fricomp.cli.terminal import progress
     from fricomp.diagnosis.report import write_diagnosis
-    from fricomp.results import DIAGNOSIS, claim_folder
+    from fricomp.result_kinds import DIAGNOSIS
+    from fricomp.results import claim_folder
 
     with claim_folder(out, DIAGNOSIS, overwrite=overwrite, inputs=(*log.files, simulation)) as claim, progress() as bar:
         bar.add_task("weighing the payload", total=None)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from fricomp.results import DIAGNOSIS, require_free
+from fricomp.result_kinds import DIAGNOSIS
+from fricomp.results import require_free
 
 RECORD = DIAGNOSIS.record
 _MODEL = "friction.json"

@@ -59,7 +59,8 @@ def run_diagnosis(
     from fricomp.cli.diagnosis.warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
     from fricomp.diagnosis.report import write_diagnosis
-    from fricomp.results import DIAGNOSIS, claim_folder
+    from fricomp.result_kinds import DIAGNOSIS
+    from fricomp.results import claim_folder
 
     start, inputs = perf_counter(), [path for path in (options["simulation"], *given.values()) if path is not None]
     require_own(out)

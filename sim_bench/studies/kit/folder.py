@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from fricomp.results import Results, claim_folder
+from fricomp.result_kinds import Results
+from fricomp.results import claim_folder
 
 _ANYTHING = ("[!.]*",)  # but hidden files: a run has a folder to itself
 
