@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from .fit import Z95, ArmFit
 from .friction import TERMS, JointForm
 from .glance import Glance
 from .identification import EVIDENCE, ArmIdentification
+from .matter import LEAST_MATTER
 from .own_delay import find_own_delay
 from .physics import find_reversed_term
 from .prior import ArmPrior
@@ -83,24 +85,34 @@ class ArmAnswer:
     def is_named(self, joint: int, term: str) -> bool:
         """Whether a term of a joint is physics that matters.
 
-        It heads its family, recurs, lowers the held-out error, its interval does not hold a joint without it, and its
-        variant is not the last that was tried.
+        It heads its family, recurs, lowers the held-out error, is no trifle, its interval does not hold a joint without
+        it, and its variant is not the last that was tried.
         """
         form = self.identification.fit.model.forms[joint]
         if term not in EFFECTS or form.find_head(term) != term or self.evidence[joint, term].recurrence < RECURRENCE:
             return False
-        fit, matters = self.identification.fit, self.evidence[joint, term].fall >= LEAST_FALL
+        fit = self.identification.fit
+        matters = self.evidence[joint, term].fall >= LEAST_FALL and self._measure_part(joint, term) >= LEAST_MATTER
         sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
         timed = term != "torque_delay" or joint not in self._unshown
         return matters and sized and _is_whole(fit, joint, term) and timed
 
     def measure_unexplained(self, joint: int) -> float:
         """Held-out error of a joint over means of 0.2 s, as part of its friction."""
+        _, names = self.identification.fit.find_friction(joint)
+        return float(self.errors.means[-1, joint]) / max(self._measure_friction(joint, names), 1e-300)
+
+    def _measure_part(self, joint: int, term: str) -> float:
+        """RMS of what a term adds to a joint, as part of all friction of it."""
+        fit = self.identification.fit
+        own, (_, every) = TERMS[term].names(dict(fit.model.forms[joint].terms)[term]), fit.find_friction(joint)
+        return self._measure_friction(joint, own) / max(self._measure_friction(joint, every), 1e-300)
+
+    def _measure_friction(self, joint: int, names: Sequence[str]) -> float:
+        """RMS of some of a joint's friction over the rows in which it moves [N·m] or [N]."""
         found = self.identification
-        place, names = found.fit.find_friction(joint)
-        friction = found.equations.friction_of(joint, names) @ found.fit.x[place]
-        rubbed = compute_rms(friction[found.equations.moving[:, joint]])
-        return float(self.errors.means[-1, joint]) / max(rubbed, 1e-300)
+        torque = found.equations.friction_of(joint, names) @ [found.fit.friction(joint)[name] for name in names]
+        return compute_rms(torque[found.equations.moving[:, joint]])
 
     @cached_property
     def _unshown(self) -> frozenset[int]:

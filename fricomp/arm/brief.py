@@ -10,6 +10,7 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
+from .matter import LEAST_MATTER
 from .record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
 
 _LEAST, _SHARE = 3, 0.5
@@ -91,7 +92,7 @@ def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
             "as a hand, and then nothing of this holds; or they are of sensors behind the gears, or have friction "
             "taken off."
         )
-    worse = [joint for joint in joints if joint.error_model > _WORSE * joint.error_simulation]
+    worse = [joint for joint in joints if _is_worse(joint)]
     if worse:
         errors = "; ".join(
             f"{one.name} {one.error_model:.3g} {one.unit}, by the simulation {one.error_simulation:.3g}"
@@ -102,6 +103,13 @@ def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
             "little of each joint, as where one moves at a time."
         )
     return tuple(lines)
+
+
+def _is_worse(joint: JointRecord) -> bool:
+    """Whether a joint's torque is told worse than by its simulation, by more than nobody would notice."""
+    level = joint.friction.get("coulomb")
+    least = LEAST_MATTER * level.value if level is not None else 0.0
+    return joint.error_model > _WORSE * joint.error_simulation + least
 
 
 def say_unexplained(record: ArmRecord) -> tuple[str, ...]:

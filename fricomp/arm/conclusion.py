@@ -9,8 +9,6 @@ from msgspec.structs import replace
 
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
-from fricomp.laws import FloatArray
-from fricomp.root_mean_square import compute_rms
 
 from .answer import ArmAnswer, TermEvidence
 from .brief import (
@@ -28,26 +26,16 @@ from .brief import (
     write_summary,
 )
 from .elasticity import measure_stiffness
-from .equations import BoolArray
 from .fit import Z95, ArmFit
 from .friction import TERMS
-from .identification import ArmIdentification
-from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
+from .link_answer import describe_link, measure_link_change
+from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
 from .search.gap import GapSearch
 from .shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
-
-_DETERMINED = 0.5
-"""A link's mass counts as determined where the recording at least halves what was uncertain before."""
-
-_Z_OFF = 3.5
-"""Standard deviations by which a link must be off: with four numbers of each of seven links, one in a hundred healthy
-arms reaches them."""
-
-_AXES = ("x", "y", "z")
 
 _UNEVEN = (
     "The stamps are not the instants at which rows were sampled: how far the joints came, over their velocities, says "
@@ -62,7 +50,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
     others = find_alternatives(found.equations, found.fit, found.prior)
     joints = tuple(_describe_joint(answer, j, averages[j], others) for j in range(len(arm.joints)))
     intervals = average_links(found.fit, others)
-    links = tuple(_describe_link(answer, i, intervals[i]) for i in range(len(arm.links)))
+    links = tuple(describe_link(found, i, intervals[i]) for i in range(len(arm.links)))
     delay = found.delay
     gain, gain_spread = found.fit.gain
     record = ArmRecord(
@@ -85,7 +73,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         degrees=found.recording.degrees,
         better_frames=() if arm.remounted else find_better_frames(arm, found.recording),
         frames_instead=found.recording.frames_instead,
-        torque_scales=find_torque_scales(arm, found.recording),
+        torque_scales=find_torque_scales(arm, found.recording, found.fit.inertia),
     )
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
@@ -154,7 +142,7 @@ def _describe_joint(
         unexplained=answer.measure_unexplained(joint),
         stiffness=measure_stiffness(found, joint),
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
-        link_change=_measure_link_change(found, joint),
+        link_change=measure_link_change(found, joint),
     )
 
 
@@ -211,40 +199,6 @@ def _unit_of(name: str, torque: str, position: str) -> str:
     if name.startswith(("backlash", "load_coulomb", "torque_gain_error")):
         return "1"
     return f"1/{torque}" if name.startswith("load_quadratic") else torque
-
-
-def _measure_link_change(found: ArmIdentification, joint: int) -> float:
-    """RMS of what links as found change of a joint's torque beside those of the simulation, as part of that torque."""
-    change = found.rows.links[:, joint] @ (found.fit.inertia - found.fit.arm.inertia).ravel()
-    return float(compute_rms(change) / max(compute_rms(found.rows.torque[:, joint]), 1e-300))
-
-
-def _describe_link(answer: ArmAnswer, link: int, intervals: FloatArray) -> LinkRecord:
-    """What is said of one link, by the intervals of its mass and first moments. Shape (4, 2)."""
-    fit = answer.identification.fit
-    at = slice(N_INERTIA * link, N_INERTIA * (link + 1))
-    slope = fit.arm.link_coordinates[link].jacobian(fit.x[at])
-    before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
-    value, simulated = fit.inertia[link], fit.arm.inertia[link]
-    spread = (intervals[:, 1] - intervals[:, 0]) / (2.0 * Z95)
-    determined = spread < _DETERMINED * before[:4]
-    ends = [(float(low), float(high)) for low, high in intervals]
-    return LinkRecord(
-        name=fit.arm.links[link],
-        simulated_mass=float(simulated[0]),
-        mass=Quantity(float(value[0]), "kg", ends[0]),
-        first_moment={axis: Quantity(float(value[k]), "kg·m", ends[k]) for k, axis in enumerate(_AXES, start=1)},
-        simulated_first_moment={axis: float(simulated[k]) for k, axis in enumerate(_AXES, start=1)},
-        state=_judge_link(value[:4] - simulated[:4], spread, determined, link in fit.model.opened),
-        determined=tuple(name for name, known in zip(("mass", *_AXES), determined, strict=True) if known),
-    )
-
-
-def _judge_link(gap: FloatArray, spread: FloatArray, determined: BoolArray, opened: bool) -> LinkState:
-    off = determined & (np.abs(gap) > _Z_OFF * spread)
-    if opened or np.any(off):
-        return "off"
-    return "as_simulated" if np.any(determined) else "not_determined"
 
 
 def _write_sentences(record: ArmRecord) -> tuple[str, ...]:

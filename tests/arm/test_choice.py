@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as change
 
 from fricomp.arm import ArmExamination, examine_arm
 from fricomp.arm.output import choice
 from fricomp.arm.output.choice import WrittenFiles, add_file_errors, prepare_files
-from fricomp.arm.record import FileErrors, PositionErrors
+from fricomp.arm.record import ArmRecord, FileErrors, JointEffect, PositionErrors
 from fricomp.arm.rigid.inertia import N_INERTIA
 
 from .moving_arm import record_arm, write_arm
@@ -52,3 +54,29 @@ def test_a_joint_that_the_files_make_no_better_is_told(plain: tuple[ArmExaminati
     assert "files are no better" in record.summary[-1]
     assert "wrist in torque" in record.summary[-1]
     assert not any(line.startswith("shoulder: the files are no better") for line in record.sentences)
+
+
+def _write_equal(examination: ArmExamination, joint: str) -> ArmRecord:
+    """The record with files of a joint that err by hardly more than its simulation."""
+    equal = FileErrors(
+        torque_simulation=0.1,
+        torque_fit=0.1,
+        torque=0.1001,
+        band=5.0,
+        positions=(PositionErrors(after=0.5, simulation=0.01, files=0.0101, travel=0.5, unit="rad"),),
+    )
+    return add_file_errors(examination.record, WrittenFiles(examination.answer, {joint: equal}))
+
+
+def test_files_that_differ_by_chance_are_told_only_where_something_is_named(
+    plain: tuple[ArmExamination, Path],
+) -> None:
+    examination, _ = plain
+    assert "files are no better" not in _write_equal(examination, "wrist").summary[-1]
+    joints = examination.record.joints
+    effect = JointEffect(
+        name="cogging", parameters={}, recurrence=1.0, log_bayes_factor=9.0, fall=0.5, equation="A sin(n q + phi)"
+    )
+    named = (*joints[:-1], change(joints[-1], effects=(effect,)))
+    examined = replace(examination, record=change(examination.record, joints=named))
+    assert "wrist in torque" in _write_equal(examined, "wrist").summary[-1]

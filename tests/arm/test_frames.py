@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm.brief import say_turned
-from fricomp.arm.examination import match_recordings
+from fricomp.arm.examination import examine_arm, match_recordings
 from fricomp.arm.search.frames import find_better_frames, find_torque_scales
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
@@ -71,6 +71,20 @@ def test_a_torque_in_another_unit_is_told(factor: float, tmp_path: Path) -> None
 def test_links_that_are_guessed_are_no_other_unit(tmp_path: Path) -> None:
     recordings = record_arm(write_arm(tmp_path), duration=10.0, rate=100.0)
     assert find_torque_scales(*match_recordings(recordings, write_arm(tmp_path, (1.5, 1.5, 1.5)))) == {}
+
+
+def test_what_the_arm_carries_is_no_other_unit_of_the_joint_that_carries_little_else(tmp_path: Path) -> None:
+    recordings = record_arm(write_arm(tmp_path), duration=20.0, rate=100.0)
+    arm, joined = match_recordings(recordings, light := write_arm(tmp_path, (4.0, 2.5, 0.15)))
+    assert set(find_torque_scales(arm, joined)) == {"wrist"}
+    assert examine_arm(recordings, light).record.torque_scales == {}
+
+
+@pytest.mark.parametrize(("joint", "factor"), [(1, 8.0), (2, 8.0), (2, 0.1)])
+def test_another_unit_is_told_whatever_the_links_were_fitted_to(joint: int, factor: float, tmp_path: Path) -> None:
+    recordings = record_arm(simulation := write_arm(tmp_path), duration=20.0, rate=100.0)
+    recordings[joint] = recordings[joint].with_channels(torque=factor * recordings[joint].torque)
+    assert set(examine_arm(recordings, simulation).record.torque_scales) == {recordings[joint].metadata.joint}
 
 
 @pytest.mark.parametrize("seed", [2, 4])

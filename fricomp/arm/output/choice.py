@@ -25,6 +25,7 @@ from ..answer import ArmAnswer
 from ..confirmation import without_terms
 from ..equations import BoolArray
 from ..fit import ArmFit, fit_arm
+from ..matter import LEAST_MATTER
 from ..prior import ArmPrior
 from ..record import ArmRecord, FileErrors, JointRecord
 from .evaluation import FileTrial, compare_files, hold_out
@@ -40,9 +41,6 @@ _LONGEST = 0.5
 
 _WORSE = 1.1
 """Torque error of the files over that of the fit from which both are told."""
-
-_NO_BETTER = 1.0
-"""Error of the files, in that of the simulation with Coulomb and viscous friction, from which they are no better."""
 
 _STEPS = 20
 """Gauss-Newton steps of the second choice, which lies further from the fit that it starts at."""
@@ -215,14 +213,24 @@ def _warn_in_short(joints: Sequence[JointRecord]) -> tuple[str, ...]:
 
 
 def _find_worse(joint: JointRecord, files: FileErrors) -> list[str]:
-    worse = []
-    if files.torque >= _NO_BETTER * files.torque_simulation:
+    """Where files are no better than the simulation though something is named, or worse by what matters."""
+    level, worse = joint.friction["coulomb"].value, []
+    if _is_worse(joint, files.torque, files.torque_simulation, level):
         worse.append(f"in torque ({files.torque_simulation:.3g} to {files.torque:.3g} {joint.unit})")
     for at in files.positions:
-        if at.after <= _LONGEST and at.files >= _NO_BETTER * at.simulation:
+        if at.after <= _LONGEST and _is_worse(joint, at.files, at.simulation, at.travel):
             moved = f"{1e3 * at.simulation:.3g} to {1e3 * at.files:.3g} m{at.unit}"
             worse.append(f"simulated for {at.after:g} s ({moved})")
     return worse
+
+
+def _is_worse(joint: JointRecord, files: float, simulation: float, size: float) -> bool:
+    """Whether an error of the files is told, beside that of the simulation and the size of what is erred in.
+
+    Where nothing is missing, two right answers differ by chance.
+    """
+    least = 0.0 if joint.effects else LEAST_MATTER * size
+    return files - simulation >= least
 
 
 def _say_worse(joint: JointRecord, files: FileErrors) -> list[str]:

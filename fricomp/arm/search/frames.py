@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
@@ -69,23 +70,58 @@ def find_turned_torques(arm: SimulatedArm, recording: ArmRecording) -> tuple[str
     return tuple(turned)
 
 
-def find_torque_scales(arm: SimulatedArm, recording: ArmRecording) -> dict[str, float]:
+def find_torque_scales(
+    arm: SimulatedArm, recording: ArmRecording, inertia: FloatArray | None = None
+) -> dict[str, float]:
     """Factor on what the links of a joint ask for, by its name, where it is one of another unit.
 
     Where links ask for little beside friction and the rotor, any factor is as good as none: it has to explain what the
-    links as they are simulated leave.
+    links as they are simulated leave. What the arm carries looks like a factor in the joint that carries little else;
+    but other joints feel it as well.
+
+    Args:
+        arm: The simulation.
+        recording: Of its joints.
+        inertia: Of the links as they were found. Shape (n_links, 10).
     """
     scales = {}
-    for name, (columns, torque) in zip(recording.joints, _build_plain(arm, recording), strict=False):
-        links, others = columns[:, :1], columns[:, 1:-1]  # what is constant comes once
-        kept = np.hstack([links, others])
-        factors, left = _fit_freely(kept, torque)
-        _, as_simulated = _fit_freely(others, torque - links[:, 0])
-        deviation = left * float(np.sqrt(np.linalg.pinv(kept.T @ kept)[0, 0]))
-        clear = left < min(_EXPLAINED * float(np.std(torque)), _FRAME_FALL * as_simulated)
-        if clear and deviation < _KNOWN * factors[0] and not 1.0 / _UNIT < factors[0] < _UNIT:
-            scales[name] = float(factors[0])
+    simulated, found = (
+        [_split_links(*one) for one in _build_plain(arm, recording, links)] for links in (None, inertia)
+    )
+    falls = np.log([seen.alone / max(one.alone, 1e-300) for seen, one in zip(found, simulated, strict=True)])
+    for j, (name, one) in enumerate(zip(recording.joints, simulated, strict=False)):
+        carried = found[j].alone <= one.left and np.sum(np.delete(falls, j)) < np.log(_FRAME_FALL)
+        clear = one.left < min(_EXPLAINED * one.spread, _FRAME_FALL * one.alone)
+        known = one.deviation < _KNOWN * one.factor and not 1.0 / _UNIT < one.factor < _UNIT
+        if clear and known and not carried:
+            scales[name] = one.factor
     return scales
+
+
+class _Split(NamedTuple):
+    """A joint's torque as what its links ask for and the rest.
+
+    Attributes:
+        factor: On the links.
+        deviation: Its standard deviation.
+        left: Standard deviation of what is left with it [N·m] or [N].
+        alone: The same with the links as they are.
+        spread: Of the torque.
+    """
+
+    factor: float
+    deviation: float
+    left: float
+    alone: float
+    spread: float
+
+
+def _split_links(columns: FloatArray, torque: FloatArray) -> _Split:
+    kept = columns[:, :-1]  # what is constant comes once
+    factors, left = _fit_freely(kept, torque)
+    _, alone = _fit_freely(kept[:, 1:], torque - kept[:, 0])
+    deviation = left * float(np.sqrt(np.linalg.pinv(kept.T @ kept)[0, 0]))
+    return _Split(float(factors[0]), deviation, left, alone, float(np.std(torque)))
 
 
 def _fit_freely(columns: FloatArray, torque: FloatArray) -> tuple[FloatArray, float]:
@@ -162,16 +198,22 @@ def _measure_joints(arm: SimulatedArm, recording: ArmRecording) -> tuple[FloatAr
     return np.maximum(left, 1e-300), bool(np.any(left > POOR * spread))
 
 
-def _build_plain(arm: SimulatedArm, recording: ArmRecording) -> list[tuple[FloatArray, FloatArray]]:
-    """Columns whose factors are not below zero, and the torque, of each joint; none where there are too few rows."""
+def _build_plain(
+    arm: SimulatedArm, recording: ArmRecording, inertia: FloatArray | None = None
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Columns whose factors are not below zero, and the torque, of each joint; none where there are too few rows.
+
+    Links are those of the simulation, or weigh `inertia`.
+    """
     rows = build_slow_rows(arm, recording)
     if len(rows) < LEAST_ROWS:
         return []
-    simulated, acceleration = rows.links @ arm.inertia.ravel(), rows.compare(lambda _, __, a: a)
+    asked = rows.links @ (arm.inertia if inertia is None else inertia).ravel()
+    acceleration = rows.compare(lambda _, __, a: a)
     plain = []
     for j in range(len(arm.joints)):
         sign, one, velocity, _ = plain_columns(rows, j).T
-        columns = [simulated[:, j], acceleration[:, j], sign, velocity, one, -one]
+        columns = [asked[:, j], acceleration[:, j], sign, velocity, one, -one]
         plain.append((np.stack(columns, axis=1), rows.torque[:, j]))
     return plain
 
