@@ -17,9 +17,11 @@ from fricomp.recording.checks.motion_kind import (
     find_silent_torque,
     find_steps,
 )
+from fricomp.recording.checks.position_jumps import find_position_jumps
 from fricomp.recording.checks.position_unit import find_turns
 from fricomp.recording.checks.register import find_folded_torque, find_unsigned_torque
-from fricomp.recording.checks.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
+from fricomp.recording.checks.signal_checks import find_rest, find_spikes
+from fricomp.recording.checks.stuck import find_stuck
 from fricomp.recording.checks.timing_checks import (
     find_gaps,
     find_jitter,
@@ -52,7 +54,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_rest,
     find_counts,
     find_unit_change,
-    find_wraps,
+    find_position_jumps,
     find_stuck,
     find_spikes,
     find_motor_side,

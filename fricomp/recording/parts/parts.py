@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fricomp.recording.checks.new_zero import join_zeros
 from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES
 from fricomp.recording.checks.register import Register, find_fold, find_register, read_signed, unfold
-from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
+from fricomp.recording.checks.stuck import find_idle_rows, find_stuck_rows
 from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
 from fricomp.recording.clock import Clock, mend_clock
 from fricomp.recording.parts.bursts import spread_bursts
