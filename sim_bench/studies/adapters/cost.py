@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import gc
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from statistics import median
 from typing import Any
 
 from fricomp.joint import JointCommand, JointFeedback
 
-from ..latency.compensator import bare_stribeck
+from ..latency.unit import time_beside_unit
 from .bench import AdapterBench, make_bench
 
 __all__ = ["LARGEST_COST", "CycleCost", "measure_cost"]
@@ -19,7 +15,7 @@ __all__ = ["LARGEST_COST", "CycleCost", "measure_cost"]
 LARGEST_COST = 25.0
 """A cycle may cost this many bare Stribeck curves a joint [1]."""
 
-REPEATS = 9
+_REPEATS = 9
 
 
 @dataclass(frozen=True)
@@ -75,17 +71,8 @@ def measure_cost(protocol: str, n_joints: int, cycles: int = 2000) -> CycleCost:
     cycle()
     if not adapter.enabled:
         raise AssertionError(f"{protocol}: {adapter.gate.trip_record}")
-    seconds, ratios = [], []
-    gc.collect()
-    gc.disable()
-    try:
-        for _ in range(REPEATS):
-            own, unit = _time(cycle, cycles) / n_joints, _time(_unit, 10 * cycles)
-            seconds.append(own)
-            ratios.append(own / unit)
-    finally:
-        gc.enable()
-    return CycleCost(protocol, n_joints, median(seconds), median(ratios))
+    seconds, units = time_beside_unit(cycle, cycles, _REPEATS)
+    return CycleCost(protocol, n_joints, seconds / n_joints, units / n_joints)
 
 
 def _capture_states(bench: AdapterBench, command: JointCommand, feedback: JointFeedback) -> Any:
@@ -96,22 +83,3 @@ def _capture_states(bench: AdapterBench, command: JointCommand, feedback: JointF
         bench.adapter.read_into(feedback)
     bench.adapter.write(command)
     return bench.link.receive()
-
-
-def _time(call: Callable[[], object], calls: int) -> float:
-    """Seconds a call of this thread's own processor time, the loop around it taken off."""
-    start = time.thread_time()
-    for _ in range(calls):
-        call()
-    middle = time.thread_time()
-    for _ in range(calls):
-        _nothing()
-    return (2.0 * middle - start - time.thread_time()) / calls
-
-
-def _unit() -> None:
-    bare_stribeck(0.03)
-
-
-def _nothing() -> None:
-    return

@@ -7,8 +7,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
-import timeit
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -24,11 +22,11 @@ from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, LoadCoulom
 from fricomp.model import FrictionModel, Validity
 
 from ...stand_in import DEFAULT_LAW
+from .unit import call_unit, time_beside_unit
 
 __all__ = [
     "N_JOINTS",
     "Cost",
-    "bare_stribeck",
     "bench_model",
     "measure_c",
     "measure_costs",
@@ -39,8 +37,6 @@ __all__ = [
 
 N_JOINTS = 7
 """Joints of the arm that is timed."""
-
-_REPEATS = 31
 
 
 @dataclass(frozen=True)
@@ -58,13 +54,6 @@ class Cost:
     seconds: float
     units: float
     limit: float | None = None
-
-
-def bare_stribeck(velocity: float) -> float:
-    """The unit: a Stribeck curve as one writes it down, no smoothing, no limit."""
-    speed = abs(velocity)
-    level = 0.15 + 0.45 * math.exp(-((speed / 0.05) ** 2)) + 0.02 * speed
-    return math.copysign(level, velocity)
 
 
 def bench_model() -> FrictionModel:
@@ -100,7 +89,7 @@ def measure_costs(calls: int = 20_000) -> list[Cost]:
         return more(0.03, 0.029, position=0.3, load_torque=2.0)
 
     return [
-        _cost("bare Stribeck", _unit, calls, None),
+        _cost("bare Stribeck", call_unit, calls, None),
         _cost("compensator, reference only", lambda: plain(0.03), calls, 2.6),
         _cost("compensator, every feature", lambda: full(0.03, 0.029, 0.002, 1.2), calls, 5.0),
         _cost("compensator, load and cogging beside the curve", extended, calls, 6.0),
@@ -112,23 +101,7 @@ def measure_costs(calls: int = 20_000) -> list[Cost]:
 
 
 def _cost(name: str, call: Callable[[], object], calls: int, limit: float | None) -> Cost:
-    """Time `call` in bursts beside the unit; each goes through one lambda, whose own time is subtracted from both.
-
-    The clock is the thread's own processor time: other work on the machine slows it, but does not count.
-    """
-    bursts = [timeit.Timer(body, timer=time.thread_time) for body in (_nothing, _unit, call)]
-    times = np.array([[burst.timeit(calls) / calls for burst in bursts] for _ in range(_REPEATS)])
-    overhead = times[:, 0]
-    took, base = times[:, 2] - overhead, times[:, 1] - overhead
-    return Cost(name, float(np.median(took)), float(np.median(took / base)), limit)
-
-
-def _nothing() -> None:
-    pass
-
-
-def _unit() -> None:
-    bare_stribeck(0.03)
+    return Cost(name, *time_beside_unit(call, calls), limit)
 
 
 def _seven_with_gate(every_feature: bool = True) -> Callable[[], None]:
@@ -251,7 +224,7 @@ def measure_c() -> Cost | None:
         subprocess.run(["gcc", *flags, "main.c", "-o", "main", "-lm"], cwd=folder, check=True, capture_output=True)
         took, ratios = [], []
         for _ in range(5):
-            base = _cost("bare Stribeck", _unit, 2_000, None).seconds
+            base, _ = time_beside_unit(call_unit, 2_000)
             took.append(float(subprocess.run(["./main"], cwd=folder, check=True, capture_output=True).stdout))
             ratios.append(took[-1] / base)
     return Cost("generated C, every feature, in a C loop", float(np.median(took)), float(np.median(ratios)), 0.6)
