@@ -138,7 +138,7 @@ def require_free_file(path: Path, *, overwrite: bool = False, inputs: Collection
 
 
 @contextmanager
-def claim_file(path: Path, *, overwrite: bool = False, inputs: Collection[Path] = ()) -> Iterator[None]:
+def claim_file(path: Path, *, overwrite: bool = False) -> Iterator[None]:
     """Keep the folder of one file to this process while the file is made; it is made where it is not there.
 
     Raises:
@@ -149,7 +149,7 @@ def claim_file(path: Path, *, overwrite: bool = False, inputs: Collection[Path] 
     made = _make_folders(path.parent)
     try:
         with FolderLock.take(path.parent):
-            require_free_file(path, overwrite=overwrite, inputs=inputs)
+            require_free_file(path, overwrite=overwrite)
             yield
     finally:
         _remove_empty(made)

@@ -130,9 +130,7 @@ def compare_all(
     return tuple(found)
 
 
-def calibrate_backend(
-    backend: str, noise: bool, settings: SweepSettings, seed: int = 0, joint: str = "joint"
-) -> tuple[Calibration, str]:
+def calibrate_backend(backend: str, noise: bool, settings: SweepSettings, seed: int = 0) -> tuple[Calibration, str]:
     """A calibration of the default joint, and the command mode it used.
 
     Args:
@@ -140,10 +138,9 @@ def calibrate_backend(
         noise: Whether the sensors are noisy.
         settings: Of the sweep.
         seed: Of the noise.
-        joint: Name of the joint.
     """
     quiet = {} if noise else {"sensor": {"torque_noise": 0.0, "torque_offset": 0.0}}
-    sim: dict[str, Any] = {"seed": seed, "joints": [{"name": joint, **quiet}]}
+    sim: dict[str, Any] = {"seed": seed, "joints": [{"name": "joint", **quiet}]}
     configuration = sim if backend == "sim" else {"sim": sim}
     options = CalibrationOptions(IdentificationSettings(method="least_squares"))
     request = CalibrationRequest(backend, configuration, settings=settings, options=options)
