@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,8 +12,8 @@ from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES, unpack
 from ..joint.observer import Contribution, Observation, Plant
 from ..joint.problem import Problem
-from ..joint.settings import JOINT
 from ..joint.solver import Box, Descent, Fit, Race, descend, run_together
+from ..joint.threads import run_in_threads
 from . import EFFECTS, Context, Effect, EffectParameter
 from .context import add_load
 from .overtones import is_amplitude, list_overtone_parameters, list_overtones
@@ -209,8 +208,7 @@ def _compute_contributions(
         part = points[start : start + at_once]
         keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in part]
         different = dict(zip(keys, part, strict=True))
-        with ThreadPoolExecutor(JOINT.threads) as pool:
-            known = dict(zip(different, pool.map(_compute_at, different.values()), strict=True))
+        known = dict(zip(different, run_in_threads(_compute_at, different.values()), strict=True))
         yield from (known[key] for key in keys)
 
 

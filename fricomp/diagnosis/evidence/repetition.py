@@ -8,7 +8,7 @@ choices cost less than one search. The share of repetitions that give a name bou
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -106,6 +106,7 @@ def draw_parts(baseline: Baseline) -> Iterator[tuple[_Rows, FloatArray]]:
     number = max(REPETITIONS.fewest_blocks, size // REPETITIONS.block)
     blocks = np.array_split(np.arange(size), number)
     out = max(1, round(REPETITIONS.left_out * number))
+    usual = [compute_row_spread(one, one.mean(axis=0)) for one in baseline.nulls.rows]
     for k in range(REPETITIONS.blocks + REPETITIONS.cuts):
         rows = np.ones(size, dtype=bool)
         if k < REPETITIONS.blocks:
@@ -114,16 +115,15 @@ def draw_parts(baseline: Baseline) -> Iterator[tuple[_Rows, FloatArray]]:
         else:
             cut = round((1.0 - REPETITIONS.left_out) * size * (k - REPETITIONS.blocks) / (REPETITIONS.cuts - 1))
             rows[cut : cut + round(REPETITIONS.left_out * size)] = False
-        yield rows, _draw_factor(baseline, rng)
+        yield rows, _draw_factor(baseline, usual, rng)
 
 
-def _draw_factor(baseline: Baseline, rng: np.random.Generator) -> FloatArray:
-    """Spread of each row by all nulls, over that by as many of them drawn again. Shape (m,)."""
+def _draw_factor(baseline: Baseline, usual: Sequence[FloatArray], rng: np.random.Generator) -> FloatArray:
+    """Spread of each row by all nulls, the `usual` one, over that by as many of them drawn again. Shape (m,)."""
     parts = []
-    for rows in baseline.nulls.rows:
+    for rows, whole in zip(baseline.nulls.rows, usual, strict=True):
         drawn = rows[rng.integers(0, rows.shape[0], rows.shape[0])]
-        usual, other = (compute_row_spread(one, one.mean(axis=0)) for one in (rows, drawn))
-        ratio = usual / other
+        ratio = whole / compute_row_spread(drawn, drawn.mean(axis=0))
         parts.append(ratio / compute_rms(ratio))
     return np.concatenate(parts)
 
@@ -161,23 +161,29 @@ class _Linear:
 
     def move_to(self, rows: _Rows, factor: FloatArray) -> Fit:
         """The fit to a part of the rows, each weighed by a factor, with residual and cost there."""
-        A = self.fit.jacobian * self.box.scale
-        free = np.any(A != 0.0, axis=0)
-        A = A[:, free] * factor[:, None]
-        r = self.fit.residual * factor
-        prior = raise_diagonal(self.box.scaled_precision[np.ix_(free, free)], 1e-6)
-        # At the minimum the priors pull against all rows.
-        pull = A[rows].T @ r[rows] - (self.fit.jacobian * self.box.scale)[:, free].T @ self.fit.residual
+        free, scaled, prior, held = self._whole
+        A, r = scaled[rows] * factor[rows, None], self.fit.residual[rows] * factor[rows]
+        pull = A.T @ r - held
         # Cut along the axes of the bowl, where a shorter step never climbs; cut by numbers that trade against each
         # other it would leave the valley.
-        curvature, axes = np.linalg.eigh(A[rows].T @ A[rows] + prior)
+        curvature, axes = np.linalg.eigh(A.T @ A + prior)
         along = np.clip(axes.T @ pull / curvature, -REPETITIONS.longest_step, REPETITIONS.longest_step)
         step = -axes @ along
-        residual = (r + A @ step)[rows]
+        residual = r + A @ step
         priors = self.fit.cost - float(self.fit.residual @ self.fit.residual)
         theta = self.fit.theta.copy()
         theta[free] += self.box.scale[free] * step
         return Fit(self.box.clip(theta), residual, self.fit.jacobian[rows], float(residual @ residual) + priors)
+
+    @cached_property
+    def _whole(self) -> tuple[_Rows, FloatArray, FloatArray, FloatArray]:
+        """Which parameters are free, their scaled columns, their priors, and what the priors pull against on all rows
+        at the minimum."""
+        A = self.fit.jacobian * self.box.scale
+        free = np.any(A != 0.0, axis=0)
+        A = A[:, free]
+        prior = raise_diagonal(self.box.scaled_precision[np.ix_(free, free)], 1e-6)
+        return free, A, prior, A.T @ self.fit.residual
 
     @cached_property
     def forgiven(self) -> float:
@@ -188,7 +194,9 @@ class _Linear:
         """What a generic basis explains of a residual on a part of the rows, beyond chance."""
         out = self.generic[~rows]
         squares = np.eye(self.generic.shape[1]) - out.T @ out + REPETITIONS.ridge * np.eye(self.generic.shape[1])
-        along = self.generic[rows].T @ residual
+        spread = np.zeros(rows.size)
+        spread[rows] = residual
+        along = self.generic.T @ spread
         return float(along @ np.linalg.solve(squares, along) - self.generic.shape[1])
 
     def compute_left(self, rows: _Rows, fit: Fit) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -15,6 +14,7 @@ from ..inputs.delay import apply_lags, shift, undo_lags
 from ..inputs.track import FloatArray, Track
 from .kernel import FRICTION_SLOTS, LANES, observe
 from .settings import JOINT
+from .threads import run_in_threads
 
 __all__ = [
     "Contribution",
@@ -228,10 +228,9 @@ def _run_all(
         groups.setdefault(id(job.track.substeps), []).append(index)
     batches = [part[i : i + LANES[-1]] for part in groups.values() for i in range(0, len(part), LANES[-1])]
     result: dict[int, tuple[FloatArray, ...]] = {}
-    with ThreadPoolExecutor(JOINT.threads) as pool:
-        runs = pool.map(lambda batch: _simulate([jobs[i] for i in batch], settings, seen), batches)
-        for batch, observations in zip(batches, runs, strict=True):
-            result |= dict(zip(batch, observations, strict=True))
+    runs = run_in_threads(lambda batch: _simulate([jobs[i] for i in batch], settings, seen), batches)
+    for batch, observations in zip(batches, runs, strict=True):
+        result |= dict(zip(batch, observations, strict=True))
     return [result[index] for index in range(len(jobs))]
 
 

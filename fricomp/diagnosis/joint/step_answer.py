@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -14,6 +13,7 @@ from ..inputs.track import FloatArray, Track
 from .kernel import LANES, close_loop
 from .observer import Job, Observation, broadcast_level, choose_lanes, compute_torque, stack_plants
 from .settings import JOINT
+from .threads import run_in_threads
 
 
 class StepAnswer(NamedTuple):
@@ -57,11 +57,8 @@ def simulate_step_answers(
     smooth, stepped = first[0], first[1]
     if not _is_credible(stepped, smooth, truth, track):
         return []
-    with ThreadPoolExecutor(JOINT.threads) as pool:
-        runs = [
-            *first[1:],
-            *(run for batch in pool.map(lambda one: _run(told, loop, one), batches[1:]) for run in batch),
-        ]
+    further = run_in_threads(lambda one: _run(told, loop, one), batches[1:])
+    runs = [*first[1:], *(run for batch in further for run in batch)]
     # The answer is held for a sample; the torque of a recording runs straight from sample to sample.
     late = -0.5 - job.plant.delay / track.dt
     return [
