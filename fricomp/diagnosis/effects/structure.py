@@ -12,7 +12,8 @@ from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES, unpack
 from ..joint.observer import Contribution, Observation, Plant
 from ..joint.problem import Problem
-from ..joint.solver import Box, Descent, Fit, Race, descend, run_together
+from ..joint.race import Entry
+from ..joint.solver import Box, Descent, Fit, descend, run_together
 from ..joint.threads import run_in_threads
 from . import EFFECTS, Context, Effect, EffectParameter
 from .context import add_load
@@ -170,7 +171,7 @@ class Structure:
         jacobian: FloatArray | None = None,
         iterations: int = 8,
         refresh: int = 1,
-        race: Race | None = None,
+        entry: Entry | None = None,
     ) -> Descent:
         """A fit of base and effects together from `theta`, for `fit_all`.
 
@@ -180,10 +181,10 @@ class Structure:
             jacobian: The first columns of the Jacobian at the start where they are known; the others are added.
             iterations: Most steps.
             refresh: Steps between fresh Jacobians.
-            race: The race that it runs in; None where it runs to its end.
+            entry: The race that it runs in; None where it runs to its end.
         """
         box = base_box.join(self.build_box())
-        return descend(theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh, race=race)
+        return descend(theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh, entry=entry)
 
 
 def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> list[Fit]:

@@ -10,8 +10,9 @@ import numpy as np
 from ..inputs.track import FloatArray
 from .base import BASE_NAMES, align_falls, even_directions, unpack
 from .problem import Problem
+from .race import Entry, Race
 from .settings import JOINT
-from .solver import Box, Fit, Race, descend, minimise, run_together, split_evaluation
+from .solver import Box, Fit, descend, minimise, run_together, split_evaluation
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
@@ -84,9 +85,9 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     starts, boxes = zip(*propose_creep_starts(fit.theta, box, top_speed), strict=True)
     problem = problem.cut_samples_for(unpack(starts[0]))  # no bristle asks for short steps
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
-    race = Race(JOINT.hopeless_cost * fit.cost, JOINT.hopeless_cost * fit.cost)
+    entry = Entry(Race(JOINT.hopeless_cost * fit.cost, JOINT.hopeless_cost * fit.cost))
     descents = [
-        descend(start, free, iterations=JOINT.creep_steps, refresh=2, race=race)
+        descend(start, free, iterations=JOINT.creep_steps, refresh=2, entry=entry)
         for start, free in zip(starts, boxes, strict=True)
     ]
     fits = run_together(descents, split_evaluation(evaluate))

@@ -158,6 +158,8 @@ class JointSettings:
     difference: float = 0.02
     """Step of the differences that make a Jacobian, in a parameter's scale. A smaller one is lost in the rounding
     of a simulation, a larger one bends."""
+    first_damping: float = 1e-3
+    """Damping with which a descent begins, in the curvature: next to none, since it grows where a step fails."""
     dampings: tuple[float, ...] = (1.0, 30.0, 900.0)
     """Factors on the damping that are tried; the larger ones only where the first step breaks its promise."""
     step_parts: tuple[float, ...] = (0.5, 0.2)
@@ -171,6 +173,9 @@ class JointSettings:
     each other within half of that."""
     lost_promises: float = 3.0
     """Times the fall promised by a line that a descent may still make. Bent valleys have brought twice as much."""
+    catching_up: float = 0.05
+    """Part of its way to the leader that a rival's step must fall by, for the rival to go on. Steps grow shorter, and
+    there are about a dozen."""
     further_damping: tuple[float, ...] = (0.1, 10.0, 300.0, 1.0, 1.0)
     """Factor on the damping after each of those trials has won."""
     largest_derivative: float = 1e50

@@ -10,15 +10,16 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ..inputs.track import FloatArray
+from .race import Entry, Race
 from .settings import JOINT
 
 __all__ = [
     "Box",
     "Descent",
     "Fit",
-    "Race",
     "choose_steps",
     "descend",
+    "is_beaten",
     "minimise",
     "raise_diagonal",
     "run_together",
@@ -82,27 +83,6 @@ class Fit:
     residual: FloatArray
     jacobian: FloatArray
     cost: float
-
-
-@dataclass
-class Race:
-    """Descents of which only the best counts: one that cannot come near it any more ends early.
-
-    Attributes:
-        start: Cost that all of them are to lower.
-        lead: The lowest cost of any of them so far.
-        at_once: End before the first step what cannot win. What starts far away has a long way to go first.
-    """
-
-    start: float
-    lead: float = np.inf
-    at_once: bool = False
-
-    def is_lost(self, cost: float, promised: float) -> bool:
-        """Whether a descent at `cost` stays behind, even if it falls by several times what a line promises."""
-        self.lead = min(self.lead, cost)
-        bar = self.lead + JOINT.lost_share * max(self.start - self.lead, 0.0)
-        return cost - JOINT.lost_promises * promised > bar
 
 
 def raise_diagonal(matrix: FloatArray, floor: float) -> FloatArray:
@@ -170,7 +150,7 @@ def descend(
     iterations: int = 8,
     refresh: int = 1,
     tolerance: float = JOINT.tolerance,
-    race: Race | None = None,
+    entry: Entry | None = None,
 ) -> Descent:
     """Least squares from `theta`.
 
@@ -181,7 +161,7 @@ def descend(
         iterations: Most steps.
         refresh: Compute the Jacobian afresh every so many steps; between them it is updated by Broyden's formula.
         tolerance: Fall of the cost in a step that ends the descent, in units of the mean squared residual.
-        race: The race that it runs in; None where it runs to its end.
+        entry: The race that it runs in; None where it runs to its end.
     """
     theta = box.clip(theta)
     known = np.zeros((0, 0)) if jacobian is None else jacobian
@@ -193,8 +173,8 @@ def descend(
         return Fit(theta, residual, np.zeros((at.size, theta.size)), cost)
     J = _build_columns(moved, at, steps, free)
     J[:, : known.shape[1]] = known.reshape(at.size, -1)
-    damping, age = 1e-3, 0
-    if race is not None and race.at_once and _is_lost(race, _Normal(J, residual, box), theta, cost, damping):
+    damping, age = JOINT.first_damping, 0
+    if entry is not None and entry.race.at_once and _is_lost(entry, _Normal(J, residual, box), theta, cost, damping):
         iterations = 0
     for _ in range(iterations):
         trials, promised = _propose_steps(_Normal(J, residual, box), theta, cost, damping)
@@ -215,20 +195,28 @@ def descend(
         )
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
         damping = max(1e-6, damping * JOINT.further_damping[best])
+        ended = gain < tolerance * cost / residual.size or (
+            entry is not None and entry.hurried and entry.race.is_settled(cost, gain)
+        )
         # A short step by an old Jacobian may only mean that it is old.
-        if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
+        if ended and (age == 1 or refresh > iterations):
             break
-        look = race is not None and (age >= refresh or refresh > iterations)
-        if race is not None and look and _is_lost(race, _Normal(J, residual, box), theta, cost, damping):
+        look = entry is not None and (age >= refresh or refresh > iterations)
+        if entry is not None and look and _is_lost(entry, _Normal(J, residual, box), theta, cost, damping):
             break
         if age >= refresh:
             J, age = (yield from _compute_jacobian(theta, residual, box)), 0
     return Fit(theta, residual, J, cost)
 
 
-def _is_lost(race: Race, normal: _Normal, theta: FloatArray, cost: float, damping: float) -> bool:
+def is_beaten(fit: Fit, box: Box, race: Race) -> bool:
+    """Whether a fit with derivatives of its end, in the domain `box`, cannot win a race any more."""
+    return _is_lost(Entry(race), _Normal(fit.jacobian, fit.residual, box), fit.theta, fit.cost, JOINT.first_damping)
+
+
+def _is_lost(entry: Entry, normal: _Normal, theta: FloatArray, cost: float, damping: float) -> bool:
     """Whether a descent that is at `theta` cannot win its race any more."""
-    return race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1])
+    return entry.race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1], entry.known)
 
 
 def _propose_steps(normal: _Normal, theta: FloatArray, cost: float, damping: float) -> tuple[list[FloatArray], float]:

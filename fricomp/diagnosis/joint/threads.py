@@ -10,8 +10,6 @@ from typing import TypeVar
 
 from .settings import JOINT
 
-__all__ = ["run_in_threads"]
-
 _In = TypeVar("_In")
 _Out = TypeVar("_Out")
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..effects.structure import N_BASE, Structure
+from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.base_fit import propose_creep_starts
+from ..joint.race import Entry, Race
+from ..joint.solver import Box
 from .explanation import Explanation
 from .preparation import Baseline, find_top_speed
 from .refit import fit_from
@@ -33,14 +38,18 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
     if found.best is None and float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size:
         return None
     alone = [e for e in found.explanations if len(e.names) == 1 and set(e.names) < set(best.names) and not e.refused]
-    tried = [best, *alone[:1]]  # explanations are sorted by what they gain
-    fitted = [creeping for one in tried for creeping in _fit_creeping(baseline, one)]
+    tried, worth = [best, *alone[:1]], SEARCH.late_creep_cost * best.fit.cost  # sorted by what they gain
+    fitted = _fit_creeping(baseline, tried, Race(best.fit.cost, worth))
     least = min(fitted, key=lambda one: one.fit.cost)
-    return least if least.fit.cost < SEARCH.late_creep_cost * best.fit.cost else None
+    return least if least.fit.cost < worth else None
 
 
-def _fit_creeping(baseline: Baseline, explanation: Explanation) -> list[Explanation]:
-    """The same effects beside friction that creeps, from each of its starts."""
-    starts = propose_creep_starts(explanation.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
-    structure = Structure(explanation.structure.contexts, explanation.settled)
-    return [one for start, box in starts for one in fit_from(baseline, [(structure, start)], box)]
+def _fit_creeping(baseline: Baseline, explanations: Sequence[Explanation], race: Race) -> list[Explanation]:
+    """The same effects beside friction that creeps, from each of its starts, as long as they may win the race."""
+    top, wanted, boxes = find_top_speed(baseline.problem.tracks), list[tuple[Structure, FloatArray]](), list[Box]()
+    for one in explanations:
+        structure = Structure(one.structure.contexts, one.settled)
+        for start, box in propose_creep_starts(one.fit.theta[:N_BASE], baseline.box, top):
+            wanted.append((structure, start))
+            boxes.append(box)
+    return fit_from(baseline, wanted, boxes, entry=Entry(race, hurried=True))

@@ -12,7 +12,8 @@ from ..effects.context import move_context
 from ..effects.structure import N_BASE, Candidate, Structure, fit_all
 from ..inputs.track import FloatArray
 from ..joint.base import even_directions
-from ..joint.solver import Box, Descent, Race
+from ..joint.race import Entry, Race
+from ..joint.solver import Box, Descent
 from .explanation import Explanation, judge
 from .preparation import Baseline
 from .settings import SEARCH
@@ -25,12 +26,12 @@ def refit(
 ) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
     what they leave. One that cannot come near the best of them, or the cost `lead`, ends early."""
-    descents, race = [], Race(baseline.fit.cost, lead)
+    descents, entry = [], Entry(Race(baseline.fit.cost, lead))
     for candidates, before in wanted:
         structure, fit = Structure(before.structure.contexts, candidates), before.fit
         start = np.concatenate([fit.theta[:N_BASE], structure.build_start()])
         descent = structure.start_descent(
-            start, baseline.box, jacobian=fit.jacobian, iterations=5, refresh=99, race=race
+            start, baseline.box, jacobian=fit.jacobian, iterations=5, refresh=99, entry=entry
         )
         descents.append((structure, descent))
     return _fit_and_judge(baseline, descents, [baseline.box] * len(descents))
@@ -43,21 +44,35 @@ def polish(
     iterations: int = 4,
     refresh: int = 2,
     lead: float = np.inf,
+    chosen: Explanation | None = None,
 ) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found, as
     long as they may come near the best of them, or the cost `lead`.
 
     Again for those whose load moves with it, while they gain by that, from the derivatives that the last time left.
+    The numbers of the `chosen` one are wanted to the last digit, those of its rivals as far as it may hang on them.
     """
-    fresh = [_list_starts(one) for one in explanations]
-    before, result = list(explanations), _polish_once(baseline, explanations, fresh, iterations, refresh, lead)
+    exact, once = [one is chosen for one in explanations], _Polish(baseline, iterations, refresh, lead)
+    before, result = list(explanations), once.run(explanations, [_list_starts(one) for one in explanations], exact)
     for _ in range(SEARCH.polishes - 1):
         unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
         kept = [[_Start(result[i].fit.theta, result[i].fit.jacobian)] for i in unsettled]
-        again = _polish_once(baseline, [result[i] for i in unsettled], kept, iterations, refresh, lead)
+        again = once.run([result[i] for i in unsettled], kept, [exact[i] for i in unsettled])
         before, further = result, dict(zip(unsettled, again, strict=True))
         result = [further.get(i, one) for i, one in enumerate(result)]
     return result
+
+
+def finish(
+    baseline: Baseline, tried: list[Explanation], best: Explanation | None, hurried: Sequence[Explanation]
+) -> Explanation | None:
+    """Return what was chosen, and put it in its place in `tried`, to the last digit where its fit was `hurried`, as
+    that of a rival."""
+    if best is None or all(one is not best for one in hurried):
+        return best
+    (done,) = polish(baseline, [best], iterations=SEARCH.last_steps, chosen=best)
+    tried[tried.index(best)] = done
+    return done
 
 
 def _is_unsettled(old: Explanation, new: Explanation) -> bool:
@@ -82,30 +97,49 @@ def _list_starts(explanation: Explanation) -> list[_Start]:
     return [_Start(start) for start in (explanation.fit.theta, even) if start is not None]
 
 
-def _polish_once(
-    baseline: Baseline,
-    explanations: Sequence[Explanation],
-    starts: Sequence[Sequence[_Start]],
-    iterations: int,
-    refresh: int,
-    lead: float,
-) -> list[Explanation]:
-    """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is better."""
-    descents, owners = [], []
-    lead = min([lead, *(one.fit.cost for one in explanations if not one.refused)])
-    race = Race(baseline.fit.cost, lead, at_once=True)
-    for i, (explanation, own) in enumerate(zip(explanations, starts, strict=True)):
-        structure = Structure(rebuild_contexts(baseline, explanation), explanation.settled)
-        for start in own:
-            descent = structure.start_descent(
-                start.theta, explanation.box, jacobian=start.jacobian, iterations=iterations, refresh=refresh, race=race
-            )
-            descents.append((structure, descent))
-            owners.append(i)
-    result = list(explanations)
-    for i, fitted in zip(owners, _fit_and_judge(baseline, descents, [result[i].box for i in owners]), strict=True):
-        result[i] = max(result[i], fitted, key=compute_preference)
-    return result
+class _Polish(NamedTuple):
+    """How explanations are polished."""
+
+    baseline: Baseline
+    iterations: int
+    refresh: int
+    lead: float
+
+    def run(
+        self, explanations: Sequence[Explanation], starts: Sequence[Sequence[_Start]], exact: Sequence[bool]
+    ) -> list[Explanation]:
+        """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is better.
+
+        Of explanations with the same names only the best counts, and of its starts the first is followed to the end
+        where its numbers are wanted exactly.
+        """
+        descents, owners = [], []
+        known = find_lowest_costs(explanations)
+        race = Race(self.baseline.fit.cost, min(self.lead, *known.values(), np.inf), at_once=True)
+        for i, (one, own) in enumerate(zip(explanations, starts, strict=True)):
+            structure = Structure(rebuild_contexts(self.baseline, one), one.settled)
+            for k, start in enumerate(own):
+                best = np.inf if exact[i] and k == 0 else known.get(one.names, np.inf)
+                descent = structure.start_descent(
+                    start.theta, one.box, jacobian=start.jacobian, iterations=self.iterations, refresh=self.refresh,
+                    entry=Entry(race, best, hurried=not exact[i]),
+                )  # fmt: skip
+                descents.append((structure, descent))
+                owners.append(i)
+        result = list(explanations)
+        fitted = _fit_and_judge(self.baseline, descents, [result[i].box for i in owners])
+        for i, one in zip(owners, fitted, strict=True):
+            result[i] = max(result[i], one, key=compute_preference)
+        return result
+
+
+def find_lowest_costs(explanations: Sequence[Explanation]) -> dict[tuple[str, ...], float]:
+    """Find the lowest cost of those that are physical, by their names."""
+    lowest: dict[tuple[str, ...], float] = {}
+    for one in explanations:
+        if not one.refused:
+            lowest[one.names] = min(lowest.get(one.names, np.inf), one.fit.cost)
+    return lowest
 
 
 def rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:
@@ -119,9 +153,9 @@ def rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Cont
 def fit_from(
     baseline: Baseline,
     wanted: Sequence[tuple[Structure, FloatArray]],
-    box: Box,
+    box: Box | Sequence[Box],
     *,
-    race: Race | None = None,
+    entry: Entry | Sequence[Entry] | None = None,
 ) -> list[Explanation]:
     """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
 
@@ -129,15 +163,17 @@ def fit_from(
         baseline: The base fitted to the recordings, with its nulls.
         wanted: For each explanation its structure, whose contexts are of the joint that it starts from, and the start
             of the base, shape (N_BASE,). A base fitted without friction under load has another gravity and load.
-        box: Domain and priors of the base.
-        race: The race that they run in; None where each runs to its end.
+        box: Domain and priors of the base: of all of them, or of each.
+        entry: The race that they run in, or that of each; None where each runs to its end.
     """
+    boxes = [box] * len(wanted) if isinstance(box, Box) else list(box)
+    entries = list(entry) if isinstance(entry, Sequence) else [entry] * len(wanted)
     descents = []
-    for structure, theta in wanted:
+    for (structure, theta), own, raced in zip(wanted, boxes, entries, strict=True):
         start = np.concatenate([theta, structure.build_start()])
-        descent = structure.start_descent(start, box, iterations=SEARCH.last_steps, refresh=2, race=race)
+        descent = structure.start_descent(start, own, iterations=SEARCH.last_steps, refresh=2, entry=raced)
         descents.append((structure, descent))
-    return _fit_and_judge(baseline, descents, [box] * len(descents))
+    return _fit_and_judge(baseline, descents, boxes)
 
 
 def _fit_and_judge(

@@ -12,13 +12,13 @@ from ..effects.identity import find_twin
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
-from ..joint.solver import Race
+from ..joint.race import Entry, Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
 from .overtones import fit_overtones
 from .preparation import Baseline
-from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
+from .refit import compute_preference, finish, fit_from, polish, rebuild_contexts, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
@@ -86,7 +86,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
         best = choose(baseline, tried, threshold) or best
         close = select_finalists(best, rank_acceptable(tried, threshold))
         close += _fit_twins(baseline, best) + fit_straightened(baseline, best)
-        finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
+        finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2, chosen=best)
         tried = finished + [explanation for explanation in tried if explanation not in close]
         parted: list[Explanation] = []
         while wholes := _select_wholes(tried, choose(baseline, tried, threshold), threshold, parted):
@@ -95,8 +95,9 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
                 tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
         if best is not None:
-            tried += fit_siblings(baseline, best)
-            best = choose(baseline, tried, threshold)
+            siblings = fit_siblings(baseline, best)
+            tried += siblings
+            best = finish(baseline, tried, choose(baseline, tried, threshold), [*finished[1:], *siblings])
         if best is not None and _list_idle(baseline, best):
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))
             best = choose(baseline, tried, threshold)
@@ -278,7 +279,7 @@ def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
     contexts, theta = baseline.structure.contexts, baseline.fit.theta
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
     wanted = [(Structure(contexts, (Candidate(name, tuple(start.items())),)), theta) for name, start in starts]
-    return fit_from(baseline, wanted, baseline.box, race=Race(baseline.fit.cost, lead))
+    return fit_from(baseline, wanted, baseline.box, entry=Entry(Race(baseline.fit.cost, lead), hurried=True))
 
 
 def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> list[Explanation]:
@@ -297,7 +298,8 @@ def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> lis
     screened = screen(baseline.problem, structure, fit.theta, fit.residual, fit.jacobian)
     groups = _rank_groups(screened, SEARCH.from_simulation)
     wanted = [(replace(structure, candidates=(group[0].candidate,)), fit.theta) for group in groups]
-    return fit_from(baseline, wanted, baseline.box)
+    race = Race(baseline.fit.cost, min((one.fit.cost for one in free if not one.refused), default=np.inf))
+    return fit_from(baseline, wanted, baseline.box, entry=Entry(race, hurried=True))
 
 
 def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]], lead: float) -> list[Explanation]:

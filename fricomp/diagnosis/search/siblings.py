@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from ..effects import EFFECTS, Context
 from ..effects.structure import N_BASE, Candidate, Structure
-from ..joint.solver import Race
+from ..joint.race import Entry, Race
+from ..joint.solver import is_beaten
 from .explanation import Explanation
 from .preparation import Baseline
 from .refit import fit_from, polish, rebuild_contexts
@@ -26,8 +27,11 @@ def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
     if not wanted:
         return []
     race = Race(baseline.fit.cost, best.fit.cost)
-    fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, race=race)
-    return polish(baseline, fitted, iterations=SEARCH.last_steps, lead=best.fit.cost)
+    entry = Entry(race, hurried=True)
+    fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, entry=entry)
+    near = [one for one in fitted if not is_beaten(one.fit, one.box.join(one.structure.build_box()), race)]
+    rest = [one for one in fitted if one not in near]
+    return polish(baseline, near, iterations=SEARCH.last_steps, lead=best.fit.cost) + rest
 
 
 def _list_loads(best: Explanation, context: Context) -> list[tuple[Candidate, ...]]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 
 from fricomp.diagnosis.inputs.track import FloatArray
-from fricomp.diagnosis.joint.solver import Box, Race, descend, minimise, raise_diagonal, run_together, split_evaluation
+from fricomp.diagnosis.joint.race import Entry, Race
+from fricomp.diagnosis.joint.settings import JOINT
+from fricomp.diagnosis.joint.solver import Box, descend, minimise, raise_diagonal, run_together, split_evaluation
 
 _A = np.random.default_rng(3).standard_normal((20, 3)) @ np.diag([1.0, 4.0, 0.5])
 _Y = np.random.default_rng(4).standard_normal(20)
@@ -145,7 +147,7 @@ def test_a_descent_that_cannot_win_ends_without_a_step() -> None:
         return [np.concatenate([_line([point])[0], np.full(5, 10.0)]) for point in points]
 
     race = Race(start=600.0, lead=1.0, at_once=True)
-    descent = descend(np.zeros(3), _box(), race=race)
+    descent = descend(np.zeros(3), _box(), entry=Entry(race))
     (lost,) = run_together([descent], split_evaluation(evaluate))
     assert asked == [4]  # its own residual and three derivatives
     assert lost.cost > 500.0
@@ -155,6 +157,42 @@ def test_the_leader_of_a_race_runs_to_its_end() -> None:
     alone = minimise(_valley, np.array([-1.2, 1.0, 0.0]), _box(), iterations=20)
     race = Race(start=1e3)
     (found,) = run_together(
-        [descend(np.array([-1.2, 1.0, 0.0]), _box(), iterations=20, race=race)], split_evaluation(_valley)
+        [descend(np.array([-1.2, 1.0, 0.0]), _box(), iterations=20, entry=Entry(race))], split_evaluation(_valley)
     )
     np.testing.assert_array_equal(found.theta, alone.theta)
+
+
+def test_a_descent_whose_place_is_taken_by_a_lower_cost_ends_early() -> None:
+    """No point of this valley costs less than 25."""
+    costs, counts = [], []
+    for known in (np.inf, 26.0, 5.0):
+        counted = _Counted(lambda points: [np.append(one, 5.0) for one in _valley(points)])
+        descent = descend(np.array([-1.2, 1.0, 0.0]), _box(), iterations=20, entry=Entry(Race(1e3), known))
+        costs.append(run_together([descent], split_evaluation(counted))[0].cost)
+        counts.append(counted.points)
+    assert costs[1] == costs[0] == pytest.approx(25.0, abs=0.2)
+    assert counts[1] == counts[0] > counts[2]
+
+
+def test_a_rival_that_settles_behind_the_leader_needs_no_last_digits() -> None:
+    start, lead = np.array([-1.2, 1.0, 0.0]), -1e3
+    counts = []
+    for hurried in (False, True):
+        counted = _Counted(_valley)
+        entry = Entry(Race(1e6, lead), hurried=hurried)
+        (fit,) = run_together([descend(start, _box(), iterations=20, entry=entry)], split_evaluation(counted))
+        counts.append((counted.points, fit.cost))
+    (exact, least), (quick, near) = counts
+    assert quick < exact
+    assert least <= near < least + JOINT.catching_up * (near - lead)
+
+
+class _Counted:
+    """Residuals, and at how many points they were asked for."""
+
+    def __init__(self, residuals: Callable[[Sequence[FloatArray]], list[FloatArray]]) -> None:
+        self.residuals, self.points = residuals, 0
+
+    def __call__(self, points: Sequence[FloatArray]) -> list[FloatArray]:
+        self.points += len(points)
+        return self.residuals(points)
