@@ -1,7 +1,5 @@
 """What an adapter refuses before anything moves: limits that drives cannot keep, rates beyond the bus."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 

@@ -1,7 +1,5 @@
 """The base of every adapter: what users call, with the safety gate inside; drivers fill in the private methods."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Which joints have reported: the state is new once every part of it, from every joint, has come again."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 

@@ -1,7 +1,5 @@
 """Asking a bus or a line who is there: drives are read, and nothing is written to any of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 

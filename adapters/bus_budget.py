@@ -1,7 +1,5 @@
 """How often a bus can carry what all its joints exchange: counted in bits, worst case."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The half that all CAN adapters share."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import final

@@ -1,7 +1,5 @@
 """CAN interfaces of this machine: those of Linux with their state, and those that python-can finds."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager

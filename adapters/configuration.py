@@ -1,7 +1,5 @@
 """The configuration file: bus, joints, limits and transmissions, read from TOML and checked before a bus is opened."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping, Sequence
 from math import inf

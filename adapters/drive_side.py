@@ -1,7 +1,5 @@
 """The drive's side of a transmission: buffers, and the way between them and the joint, the same every cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import isfinite
 

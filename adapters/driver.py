@@ -1,7 +1,5 @@
 """What a driver implements, on the drive's own side of the transmission and in SI."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Drives that somebody else holds: they are asked, and left alone unless their user says otherwise."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import final
 

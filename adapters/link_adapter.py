@@ -1,7 +1,5 @@
 """The half that all adapters over a link share: holding the link, pumping it, asking for states and waiting."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress

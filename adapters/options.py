@@ -1,7 +1,5 @@
 """How an adapter is run, whatever the bus."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from fricomp.control import JointLimits

@@ -1,7 +1,5 @@
 """Serial ports by their USB serial number, which stays when a replugged `ttyACM0` comes back as `ttyACM1`."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a recording of a joint says of it: facts that its adapter knows."""
 
-from __future__ import annotations
-
 from fricomp.recording import RecordingMetadata
 
 from .adapter import JointAdapter

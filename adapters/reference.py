@@ -1,7 +1,5 @@
 """Velocity and position references on their way to a drive: finite, inside the limits, without jumps."""
 
-from __future__ import annotations
-
 from collections.abc import MutableSequence, Sequence
 from math import inf, isfinite
 

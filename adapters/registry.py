@@ -1,7 +1,5 @@
 """Adapters by name: those of this package, and those that others register under `fricomp.adapters`."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from importlib import import_module

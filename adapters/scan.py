@@ -4,8 +4,6 @@ Frames of one protocol may be commands of another: an SDO request to CANopen's n
 axis 48. A CAN bus is listened to first, therefore, and where ODrives are heard nothing is sent at all.
 """
 
-from __future__ import annotations
-
 from fricomp.joint import Clock
 
 from .asking import AskedBus, AskedLine, FoundDrive

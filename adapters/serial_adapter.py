@@ -1,7 +1,5 @@
 """The half that all adapters on a serial port share."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import final
 

@@ -1,7 +1,5 @@
 """The half of every adapter that stops: from any thread, any number of times, and nothing gets past it."""
 
-from __future__ import annotations
-
 import threading
 from typing import final
 

@@ -1,7 +1,5 @@
 """From motor to joint: gear ratio, sign and zero, applied once, in one place."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import get_args
 

@@ -1,7 +1,5 @@
 """Trying a drive for the first time: step by step, at a twentieth of its torque limit or less."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace

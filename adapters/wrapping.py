@@ -1,7 +1,5 @@
 """Counters of 32 bits that go on at their other end: their position goes on where it was."""
 
-from __future__ import annotations
-
 __all__ = ["CountUnwrapper", "wrap_count"]
 
 WHOLE, HALF = 1 << 32, 1 << 31

@@ -1,7 +1,5 @@
 """Has a joint changed? Two identified models compared, parameter by parameter and as a whole."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

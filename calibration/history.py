@@ -1,7 +1,5 @@
 """How the friction of joints goes over weeks: models of one joint in order of time, trends, and when it has changed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

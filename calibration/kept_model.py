@@ -1,7 +1,5 @@
 """A model file among others of its joint: when it was made, and what it says of the joint, with deviations."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime

@@ -4,8 +4,6 @@ A dry parameter p that holds at the load N_ref is worth p' = p (1 + k (N / N_ref
 scales about N instead is k' = k N / N_ref / (1 + k (N / N_ref - 1)): both describe the same torque.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scores of identifications whose truth is known, one a seed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

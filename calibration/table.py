@@ -1,7 +1,5 @@
 """A table of friction points: velocity, torque and, where known, the normal load."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """CiA 402 drives as joints: SDO to configure, then PDOs pumped from the control thread, one SYNC a cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial

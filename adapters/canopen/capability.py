@@ -1,7 +1,5 @@
 """What joints on one bus can do, once their drives have told it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from fricomp.errors import AdapterConfigurationError

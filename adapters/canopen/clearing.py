@@ -1,7 +1,5 @@
 """Resetting a latched fault by SDO alone: for nodes whose process data nobody has configured."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from fricomp.errors import AdapterTimeout, DriveFault

@@ -1,7 +1,5 @@
 """What a configuration file says about CiA 402 drives."""
 
-from __future__ import annotations
-
 from math import inf
 
 from ..configuration import CanAdapterConfiguration, JointConfiguration

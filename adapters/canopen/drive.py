@@ -1,7 +1,5 @@
 """One CiA 402 drive as the control thread sees it: its last state, and the frame that commands it."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 from fricomp.errors import AdapterValueError

@@ -1,7 +1,5 @@
 """What the error codes of a CiA 402 drive mean, in words."""
 
-from __future__ import annotations
-
 # Beyond the 16 bits of a drive's own error codes.
 FAULT_NOT_ENABLED = 0x10001
 FAULT_MODE = 0x10002

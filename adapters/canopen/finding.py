@@ -1,7 +1,5 @@
 """Which CANopen nodes answer: device type and statusword are read by SDO."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..asking import AskedBus, FoundDrive

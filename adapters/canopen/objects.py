@@ -1,7 +1,5 @@
 """The objects of the dictionary that the adapter uses [cia301], [cia402]."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Process data: what is mapped into which PDO, how it is packed, and how a node is told so."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """From the drive's own units to SI at the motor shaft, as the drive itself tells it [cia402]."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, tau

@@ -1,7 +1,5 @@
 """SDO through the canopen package, without its threads: waiting for an answer pumps the adapter's own link."""
 
-from __future__ import annotations
-
 import logging
 import queue
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What a drive is asked and told by SDO before it moves: its cyclic modes, the period, who watches whom."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import tau
 

@@ -1,7 +1,5 @@
 """The limit that a drive itself holds to (6072): the only one that bounds what its own loop asks for."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout

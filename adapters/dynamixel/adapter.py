@@ -1,7 +1,5 @@
 """Dynamixel X servos as joints: goals for all in one packet, states of all in answer to one, every cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import tau
 

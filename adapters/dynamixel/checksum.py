@@ -4,8 +4,6 @@ The CRC is linear: that of a packet is the sum, bit by bit, of what its parts co
 that never change are reckoned once, and each further byte costs one look into the table of its place.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache, reduce
 from operator import getitem, xor

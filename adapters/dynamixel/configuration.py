@@ -1,7 +1,5 @@
 """What a configuration file says about Dynamixel servos."""
 
-from __future__ import annotations
-
 from ..configuration import JointConfiguration, SerialAdapterConfiguration
 from .control_table import WATCHDOG_COUNT
 

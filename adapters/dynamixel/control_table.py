@@ -1,7 +1,5 @@
 """The control table of the X series, and its models as data."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cache

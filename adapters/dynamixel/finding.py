@@ -1,7 +1,5 @@
 """Which Dynamixel servos answer to a ping, and whether their torque is on."""
 
-from __future__ import annotations
-
 from ..asking import AskedLine, FoundDrive
 from .control_table import MODEL_NUMBER, TORQUE_ENABLE, Item, Model, models
 from .packet import BROADCAST, Instruction, StatusPacket, encode_packet, read_packet

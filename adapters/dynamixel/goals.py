@@ -1,7 +1,5 @@
 """Goals in a servo's counts: of a command, of a torque limit, and those of a stop."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import ceil
 

@@ -1,7 +1,5 @@
 """Packets of Dynamixel protocol 2.0: FF FF FD 00, id, length, instruction, parameters, CRC [robotis2024]."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping, Sequence
 from enum import IntEnum

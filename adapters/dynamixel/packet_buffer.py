@@ -1,7 +1,5 @@
 """Status packets in bytes as they come, in any pieces."""
 
-from __future__ import annotations
-
 from functools import reduce
 from operator import getitem, xor
 from typing import NamedTuple

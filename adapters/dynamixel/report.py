@@ -1,7 +1,5 @@
 """What every cycle asks of a servo: state and condition in one block, put together by its indirect addresses."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Sequence
 from math import nan

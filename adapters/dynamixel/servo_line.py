@@ -1,7 +1,5 @@
 """Servos that take turns with the host on one wire: single items of their tables, and who may speak when."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable
 

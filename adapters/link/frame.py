@@ -1,7 +1,5 @@
 """A CAN frame as the adapters see it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -1,7 +1,5 @@
 """MIT-mode motors as joints: torque commands, a state in answer to each."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose, isfinite

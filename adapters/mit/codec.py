@@ -4,8 +4,6 @@ All codes run over a symmetric range, -limit at 0 and +limit at the highest code
 commanded zero is half a `torque_quantum` off. Codes are rounded; cutting off would bias every torque the same way.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import isfinite
 

@@ -1,7 +1,5 @@
 """What a configuration file says about MIT-mode motors, and the motors made from it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from fricomp.errors import AdapterConfigurationError

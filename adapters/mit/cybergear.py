@@ -4,8 +4,6 @@ Identifier: type << 24 | 16 data bits << 8 | address. Type 1 commands q16 dq16 k
 data bits; type 2 answers q16 dq16 tau16 and the temperature in tenths [xiaomi2023].
 """
 
-from __future__ import annotations
-
 import struct
 
 from ..driver import name_bits

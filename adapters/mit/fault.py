@@ -1,7 +1,5 @@
 """What the fault codes of MIT-mode motors mean, in words."""
 
-from __future__ import annotations
-
 # Beyond every vendor's own codes.
 FAULT_NOT_ENABLED = 0x1001
 FAULT_POSITION_EDGE = 0x1002

@@ -3,8 +3,6 @@
 T-Motor AK, and Robstride in its MIT protocol, answer nothing but commands, so that nobody can look for them.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Sequence
 

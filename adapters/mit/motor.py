@@ -1,7 +1,5 @@
 """What the vendors of MIT-mode motors do differently, behind one interface."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from math import nan

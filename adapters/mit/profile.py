@@ -1,7 +1,5 @@
 """Vendor profiles: ranges of every model and the registers of its drive, as data with their source."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from functools import cache

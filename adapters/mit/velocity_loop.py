@@ -6,8 +6,6 @@ what rounding takes off the reference. A stiffness in the motor would be wrong: 
 stands while the joint moves on, and the torque is a sawtooth that the reports, one a command, sample at one phase.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil, floor
 

@@ -1,7 +1,5 @@
 """moteus controllers as joints: a command that lapses by itself, its answer, every cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from fricomp.errors import AdapterConfigurationError, AdapterTimeout, DriveFault

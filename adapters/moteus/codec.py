@@ -4,8 +4,6 @@ A position command is mode 10 with its references in registers 0x20 to 0x27; NaN
 like any other, so that values of ours are checked to be finite and the one NaN here is a constant.
 """
 
-from __future__ import annotations
-
 import struct
 from math import nan, tau
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """What the codes of a moteus mean, in words."""
 
-from __future__ import annotations
-
 from .codec import MODE_FAULT, MODE_STOPPED, MODE_TIMEOUT
 
 FAULT_MODE = 0x1000

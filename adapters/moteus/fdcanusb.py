@@ -1,7 +1,5 @@
 """The text protocol of the fdcanusb: `can send ID HEX` out, `OK` and `rcv ID HEX ...` back [mjbots2024]."""
 
-from __future__ import annotations
-
 from binascii import hexlify, unhexlify
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Which moteus controllers answer: all are asked for their state at once."""
 
-from __future__ import annotations
-
 from ..asking import AskedLine, FoundDrive
 from .codec import MODE_FAULT, MODE_STOPPED, MODE_TIMEOUT, QUERY, MoteusState, decode_state, pad
 from .fdcanusb import decode_line, encode_line

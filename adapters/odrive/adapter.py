@@ -1,7 +1,5 @@
 """ODrives as joints: a set-point and requests for the state every cycle, all in passthrough."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import tau

@@ -3,8 +3,6 @@
 Frames have the lengths of the vendor's DBC; the firmware would take shorter ones, too.
 """
 
-from __future__ import annotations
-
 import struct
 from enum import IntEnum
 from math import isfinite, nan, tau

@@ -1,7 +1,5 @@
 """What a configuration file says about ODrives."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from ..configuration import CanAdapterConfiguration, JointConfiguration

@@ -1,7 +1,5 @@
 """Endpoints of firmware 0.6: parameters by the numbers that the vendor publishes for each firmware version."""
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 from typing import NamedTuple

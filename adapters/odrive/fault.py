@@ -1,7 +1,5 @@
 """What the errors of an ODrive mean, in words."""
 
-from __future__ import annotations
-
 from ..driver import name_bits
 
 # Beyond the 32 bits of an axis.

@@ -1,7 +1,5 @@
 """Which ODrives there are: their heartbeats are heard, and nothing is asked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..asking import FoundDrive

@@ -1,7 +1,5 @@
 """The half of the ODrive adapter that writes parameters and reads them back: watchdog, mode, and torque limit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf, isclose, isnan
 from typing import TypeVar

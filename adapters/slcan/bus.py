@@ -1,7 +1,5 @@
 """A python-can bus over slcan that reads the serial port in chunks, not byte by byte."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from contextlib import suppress

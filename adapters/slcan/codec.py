@@ -1,7 +1,5 @@
 """The text of slcan: `t`, 3 hex digits of identifier, length, data; `T` with 8, `r` and `R` remote [lawicel2013]."""
 
-from __future__ import annotations
-
 import re
 
 from ..link import CanFrame

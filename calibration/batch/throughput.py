@@ -1,7 +1,5 @@
 """How many joints a second: all in one call, beside one after the other in one process."""
 
-from __future__ import annotations
-
 import os
 import time
 from dataclasses import dataclass

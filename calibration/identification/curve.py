@@ -1,7 +1,5 @@
 """The picture of an identification: measured points, the curve with its band, and the exported network."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ Information adds up with the time spent at a speed, so the shares of time that m
 deviation are a convex problem; the multiplicative algorithm solves it [silvey1978algorithm].
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -5,8 +5,6 @@ closed form with a weight. A large weight gives the closed form, none a purely d
 chooses, each fold from the closed form of the points it was left. Outside the data the closed form stays what holds it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """An identification in the light of what its own likelihood does not know: shared errors, correlated samples."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Dahl and LuGre from a time series with reversals: output error, the bristle simulated over the whole record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple

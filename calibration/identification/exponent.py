@@ -1,7 +1,5 @@
 """Whether points ask for another exponent of the Stribeck curve than its usual 2."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.stats import chi2
 from scipy.stats import f as fisher

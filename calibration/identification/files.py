@@ -1,7 +1,5 @@
 """An identification as files: `friction.json`, `friction.onnx`, and the network that departs from the law."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """`identify`: friction points in, a friction model with its uncertainty out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal

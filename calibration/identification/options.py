@@ -1,7 +1,5 @@
 """Rarely changed settings of an identification."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

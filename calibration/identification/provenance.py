@@ -1,7 +1,5 @@
 """What a model file says of its identification: the data, how it ended, and what limits the model's use."""
 
-from __future__ import annotations
-
 import hashlib
 from datetime import UTC, datetime
 

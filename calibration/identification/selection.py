@@ -1,7 +1,5 @@
 """Which law the data ask for, by the likelihood of points that the fit did not see."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

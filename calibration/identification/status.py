@@ -1,7 +1,5 @@
 """How an identification ended, in one word."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 
 

@@ -1,7 +1,5 @@
 """Joints whose friction is known, identified from a recorded motion: do the intervals hold the truth?"""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 

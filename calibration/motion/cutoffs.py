@@ -1,7 +1,5 @@
 """The cutoffs of the filters: low enough that noise of the encoder is no acceleration, and that the joint slides."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

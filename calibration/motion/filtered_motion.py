@@ -1,7 +1,5 @@
 """A motion that was low-passed before it was recorded, as drives filter their velocity: it is late by no mere delay."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

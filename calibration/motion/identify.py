@@ -7,8 +7,6 @@ friction law are fitted together, a torque that comes late is shifted, and devia
 correlated.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

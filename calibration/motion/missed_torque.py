@@ -1,7 +1,5 @@
 """Torque that goes with the position and is not fitted, of gravity or a spring: friction and inertia would hold it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

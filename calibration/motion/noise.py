@@ -1,7 +1,5 @@
 """Noise of a recording's position and torque, and what filters leave of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What of a recorded motion is identified: its motion blocks, on the joint side, part by part between gaps."""
 
-from __future__ import annotations
-
 import os
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The rigid body of one joint, fitted to filtered samples beside its friction."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -7,8 +7,6 @@ share. The slope of the measured torque has a noise of its own, so it serves as 
 smoothed, because a loop that is closed on the encoder puts the encoder's noise into its torque too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

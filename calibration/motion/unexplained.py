@@ -1,7 +1,5 @@
 """Torque that neither rigid body nor friction explains, and that is no noise: other physics is in the recording."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What friction from a recorded motion is worth: its samples are correlated, and a rigid body was fitted beside it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ..identification import IdentificationResult, Status

@@ -1,7 +1,5 @@
 """The exported network: trained to a torque function on a grid of its own, not to noisy points."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple, cast
 

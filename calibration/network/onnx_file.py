@@ -1,7 +1,5 @@
 """A network as ONNX: plain operators, float32, the normalisation inside the graph."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from pathlib import Path

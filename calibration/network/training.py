@@ -1,7 +1,5 @@
 """Levenberg-Marquardt pieces shared by the identifying network and the exported one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple

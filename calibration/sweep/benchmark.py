@@ -1,7 +1,5 @@
 """Ten seeds of the whole calibration on a joint whose friction is known."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from pathlib import Path
 

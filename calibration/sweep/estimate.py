@@ -9,8 +9,6 @@ So does, where no model says what gravity is, the age of the torque signal: over
 viscous friction.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What can be told of a calibration before anything moves: whether it can come to its end at all."""
 
-from __future__ import annotations
-
 from fricomp.errors import ParameterError
 
 from .estimate import FEWEST_POINTS

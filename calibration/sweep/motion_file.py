@@ -1,7 +1,5 @@
 """A motion from a file: any velocity over time, recorded the same way as a sweep."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A joint that is opened for a motion of calibration, and left at zero torque whatever happens."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

@@ -1,7 +1,5 @@
 """What a calibration was asked to be: stored with the run, so that a resumed one is the same."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any

@@ -1,7 +1,5 @@
 """The rigid-body torque of a joint, to be taken off what was measured: MuJoCo's inverse dynamics of an MJCF model."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The folder of one run: what was asked for, what was recorded, how far it came; a kill does it no harm."""
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The sweep: from the first check to the last breakaway, each block on disk before the next starts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whoever watches a sweep: what it is shown, and the friction point that one plateau alone tells."""
 
-from __future__ import annotations
-
 from typing import Any, Protocol
 
 import numpy as np

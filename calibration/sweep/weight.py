@@ -9,8 +9,6 @@ takes friction off whatever it is, also where it grows with the load. What the w
 m g r / K, wherever the arm's own weight hangs, and K is what one unit of the reading is in newton metres.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial

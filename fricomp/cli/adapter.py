@@ -1,7 +1,5 @@
 """`fricomp adapter`: a careful first trial of a real drive, and clearing its faults."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`fricomp diagnose`: find the physics that a simulation leaves out, in recordings of the real joint."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

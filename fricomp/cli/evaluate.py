@@ -1,7 +1,5 @@
 """`fricomp evaluate`: how well a model predicts a recording, in torque and in motion."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Options in `--help`: beside their descriptions, or above them where a terminal is narrow; names are never cut."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any

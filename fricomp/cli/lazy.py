@@ -1,7 +1,5 @@
 """A group of commands whose modules are imported only when one of them is used."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec

@@ -11,8 +11,6 @@ command is used; what is heavy is imported inside the functions.
 - Examples stand in the `epilog` of a command, one a paragraph.
 """
 
-from __future__ import annotations
-
 import errno
 import sys
 import warnings

@@ -5,8 +5,6 @@
 program (`--json`). A command with an answer of its own prints that; of any other, what it says is the answer.
 """
 
-from __future__ import annotations
-
 import inspect
 import sys
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The verdict and the parameters that an identification gives, as `calibrate` and `identify` print them."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 from rich.console import Console

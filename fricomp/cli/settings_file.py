@@ -1,7 +1,5 @@
 """The options of a command in a TOML file: read below those of the command line, and written with comments."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Where `--quiet` or `--json` is given, the console that would write to stdout wri
 for the answer. What is piped is never wrapped.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """What counts as a number where a joint is moved by it: a real one, finite, and not absurdly large."""
 
-from __future__ import annotations
-
 from numbers import Real
 from typing import Any, TypeGuard
 

@@ -1,7 +1,5 @@
 """How a compensator works, and the loop it works in."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A whole arm: torque error of each joint, and open-loop motion of all joints together."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass

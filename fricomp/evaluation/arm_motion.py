@@ -1,7 +1,5 @@
 """Recordings of all joints of an arm on one grid."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Many simulations of an arm side by side, with friction that MuJoCo does not know, step by step."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A joint as its equation of motion: tau = J a + gravity + offset + friction, along a recording and on its own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ dry friction, c the drag, and b the slope of bristles about the velocity u: F ma
 that nothing chatters. Drag and position take the mean of both ends, so that neither is late by half a step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

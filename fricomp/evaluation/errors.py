@@ -1,7 +1,5 @@
 """Errors of a model over a recorded motion: pooled over parts, with intervals from blocks of time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 

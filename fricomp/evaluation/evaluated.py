@@ -1,7 +1,5 @@
 """What is evaluated: a joint that gives a torque along a motion, and moves under a torque."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass

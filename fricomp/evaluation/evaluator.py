@@ -1,7 +1,5 @@
 """One evaluator: how well a model, as it is written in its file, predicts a recording."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

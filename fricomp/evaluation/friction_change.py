@@ -1,7 +1,5 @@
 """Friction that is another one at the end of a recording than at its beginning: wear, heat, a brake that drags."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Errors on held-out data: each block of time by the model that was fitted to the others."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ MuJoCo holds one level of dry friction for both directions, a drag, a ripple of 
 law has beside that, such as friction that follows the load, counts with its mean over the recording.
 """
 
-from __future__ import annotations
-
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A recorded motion as models are evaluated on it: one grid a part, derivatives, and where the joint moves."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

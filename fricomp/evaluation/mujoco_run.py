@@ -1,7 +1,5 @@
 """A model of MuJoCo along a recorded motion, by inverse dynamics, and on its own, many simulations in one call."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

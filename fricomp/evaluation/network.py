@@ -1,7 +1,5 @@
 """Friction as an ONNX graph, taken as a term of a law: what it gives on both sides of rest tells dry from held."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar

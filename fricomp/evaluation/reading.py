@@ -1,7 +1,5 @@
 """A model as users have it: an object, a file, or the folder that a command has written."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

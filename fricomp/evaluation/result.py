@@ -1,7 +1,5 @@
 """What an evaluation says: errors of torque and of motion, in the units of the recording."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from typing import Any
 

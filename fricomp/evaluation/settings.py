@@ -1,7 +1,5 @@
 """Every number that decides how a model is evaluated, with its reason."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 HORIZONS = (0.1, 0.5, 2.0)

@@ -1,7 +1,5 @@
 """An arm in MuJoCo, driven by the torques that were recorded at its joints."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """One joint of an MJCF or URDF file in MuJoCo, the others held where the file has them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

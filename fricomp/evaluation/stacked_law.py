@@ -4,8 +4,6 @@ The formula of a term is numpy's and takes its numbers as they are, so that numb
 torques of all these joints in one call. Calls, not arithmetic, are what a simulation step by step costs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any

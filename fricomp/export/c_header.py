@@ -1,7 +1,5 @@
 """A compensator as one C header: the same equation, smoothing and limits as in Python."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import re

@@ -1,7 +1,5 @@
 """Formulas as C99, in double or single precision."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """The C header's text; `$names` are filled in by `c_header`; equations: `fricomp.control.compensation.hot_path`."""
 
-from __future__ import annotations
-
 from string import Template
 
 HEADER = Template(

@@ -1,7 +1,5 @@
 """Terms that fit no curve as C, by the formulas of `fricomp.control.compensation.extra_terms`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from string import Template
 

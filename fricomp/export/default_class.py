@@ -1,7 +1,5 @@
 """What an MJCF joint takes from its default class."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 
 

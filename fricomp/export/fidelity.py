@@ -1,7 +1,5 @@
 """What a format that knows less than the model loses: fits of its terms, and the error that stays."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

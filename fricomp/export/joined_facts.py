@@ -1,7 +1,5 @@
 """What the metadata of a graph of several joints say, from those of each joint."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from fricomp.control.compensation.network_file import read_largest_torques, read_loads, read_velocity_range

@@ -1,7 +1,5 @@
 """Friction as the two or three numbers of most simulators: a level, a slope, and the level at rest."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

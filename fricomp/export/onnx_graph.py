@@ -1,7 +1,5 @@
 """Friction as an ONNX graph: closed forms written out, and several joints' networks stacked into one."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

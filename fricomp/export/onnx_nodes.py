@@ -1,7 +1,5 @@
 """Formulas as nodes of an ONNX graph, for any number of joints at once."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

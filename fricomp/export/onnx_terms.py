@@ -1,7 +1,5 @@
 """The closed form of the friction of several joints as one formula."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A model in the words of a simulator: MJCF for MuJoCo, URDF for everything else; each with what it loses."""
 
-from __future__ import annotations
-
 import math
 import unicodedata
 import xml.etree.ElementTree as ET

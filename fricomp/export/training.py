@@ -9,8 +9,6 @@ What each calls its numbers, from their sources:
 - ROS 2: no standard parameter holds friction; the file is a parameter file for a node or controller of your own.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Recordings of any file as they are to be written: read, chosen by their names, split into what is usable, checked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping as Names
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """A log for viewers such as Foxglove, rerun and PlotJuggler: MCAP with JSON messages and their schema."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Mapping

@@ -3,8 +3,6 @@
 It takes plain files only. Whatever it stumbles on is left to the careful reader, which says what is wrong.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Callable, Sequence

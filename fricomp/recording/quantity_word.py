@@ -1,7 +1,5 @@
 """Words for the quantities of a joint, as the names of columns have them in several languages."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 

@@ -6,8 +6,6 @@ found by dynamic programming over the number of rows that are missing so far [vi
 clock by itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Units as the names of columns write them: in brackets, or behind the word of the quantity."""
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Compilation of the plant's inner loops with numba; the only module of the generator that imports it."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from fricomp.errors import MissingExtraError

@@ -1,7 +1,5 @@
 """The drive inside the plant: controller at the sample rate, current loop and what the effects do to torque."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .compiled import Record, compile_cached

@@ -1,7 +1,5 @@
 """Torques inside the plant that are neither drive, rigid body nor friction; positive ones oppose motion forward."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .compiled import Record, compile_cached

@@ -1,7 +1,5 @@
 """Faults of the signal itself, which a data check must find before any physics is named."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 

@@ -5,8 +5,6 @@ F_i -> alpha_i g sgn(v) at the rate C while slipping [lampaert2003gms]. Set-valu
 stays at rest where it can [moreau1988].
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .compiled import Record, compile_cached

@@ -1,7 +1,5 @@
 """What a case is made of: the request, by name and seed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from fricomp.errors import DiagnosisError

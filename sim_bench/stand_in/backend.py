@@ -1,7 +1,5 @@
 """The stand-in as a backend like any other: `--backend sim`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 

@@ -1,7 +1,5 @@
 """Virtual time: a control loop that sleeps lets the simulation run."""
 
-from __future__ import annotations
-
 from .stand_in import StandIn
 
 

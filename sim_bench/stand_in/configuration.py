@@ -1,7 +1,5 @@
 """The stand-in's table in a configuration file, checked key by key."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path

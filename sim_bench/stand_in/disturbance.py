@@ -1,7 +1,5 @@
 """The external disturbance tau_d(t) of equation (1): torque on a joint that no model of it explains."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sin
 

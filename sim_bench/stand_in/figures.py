@@ -1,7 +1,5 @@
 """What the stand-in is worth, measured: creep, passivity, Stribeck curve, speed."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 

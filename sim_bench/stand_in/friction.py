@@ -11,8 +11,6 @@ The level is taken at the end-of-step speed, linearised in it: rising branches, 
 formulas are those of the terms, compiled once for a law.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

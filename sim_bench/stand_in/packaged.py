@@ -1,7 +1,5 @@
 """The models that come with the package: the default joint, the paper's two-link arm, and an arm of six joints."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

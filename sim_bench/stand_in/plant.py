@@ -1,7 +1,5 @@
 """The mechanics of the stand-in: MuJoCo steps the bodies, friction sticks and slides as a law says."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, MutableSequence, Sequence
 from dataclasses import dataclass
 from math import inf

@@ -1,7 +1,5 @@
 """The simulated drive of one joint: torque, velocity or position command, closed on its own encoder every period."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, inf, sqrt
 from typing import Literal

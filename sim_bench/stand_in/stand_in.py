@@ -1,7 +1,5 @@
 """The stand-in: joints with known friction behind drives and sensors, stepped in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

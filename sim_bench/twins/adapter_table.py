@@ -1,7 +1,5 @@
 """The adapter's side of a twin: a configuration file that reaches it, so that nobody has to write one to try it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """One joint of a stand-in as the electronics of a drive see it: motor side, any protocol."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from fricomp.errors import ParameterError

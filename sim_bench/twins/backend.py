@@ -4,8 +4,6 @@ Nothing but the wire is left out: the same encoding, state machines, watchdogs a
 equal runs are equal to the last bit.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Twins on a CAN bus: any number of devices with one joint each behind one bus connection."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Protocol

@@ -1,7 +1,5 @@
 """Lines in memory between an adapter and a twin in the same thread: what is sent is answered before `send` returns."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Sequence
 

@@ -5,8 +5,6 @@ firmware 0.5 carries error flags where 0.6 carries the result of the last proced
 delivered; when on, 0.6 is fed by set-point messages, 0.5 by any message to the node.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass

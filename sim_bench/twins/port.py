@@ -1,7 +1,5 @@
 """Byte streams that twins listen on: a pseudo-terminal that any serial program opens, or a TCP socket."""
 
-from __future__ import annotations
-
 import os
 import socket
 from contextlib import suppress

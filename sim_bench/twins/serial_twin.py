@@ -1,7 +1,5 @@
 """Twins on a serial line: bytes in, bytes out."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any

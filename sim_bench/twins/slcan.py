@@ -1,7 +1,5 @@
 """A CAN adapter on a serial line (Lawicel's slcan) for CAN twins in another process, without CAN in the kernel."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import can

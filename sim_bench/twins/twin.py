@@ -1,7 +1,5 @@
 """A drive twin: a device that speaks a drive's protocol with a simulated joint behind it."""
 
-from __future__ import annotations
-
 import threading
 import time
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
 """A weight hung on a simulated joint, for trying what a user would do with a real one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

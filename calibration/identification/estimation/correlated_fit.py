@@ -1,7 +1,5 @@
 """Least squares with a covariance that holds where errors are correlated over time."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

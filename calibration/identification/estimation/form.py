@@ -1,7 +1,5 @@
 """Static friction laws in separable form: linear in most parameters, which variable projection uses."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field

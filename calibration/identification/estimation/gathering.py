@@ -5,8 +5,6 @@ deviation, each for half of its points: their weighted sums of y, y² and log m(
 deviations are taken of what a first fit leaves, so that what the curve changes within a cell does not count as noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

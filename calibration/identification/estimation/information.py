@@ -1,7 +1,5 @@
 """Fisher information turned into a covariance, parameters that the data say nothing about included."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -14,8 +14,6 @@ row a point, then solves for the few friction parameters. It follows that the lo
 optimum where weighted least squares has it, as soon as the network can follow the closed form's changes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 

@@ -5,8 +5,6 @@ times that; epsilon, k and the level are estimated with the parameters by expect
 [aitkin1980mixture]. This is a likelihood too, so basins can be compared.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ At a fixed Stribeck velocity the curve is linear in its other parameters, whose 
 linear problem [golub1973variable]. A scan of the velocity then sees every basin there is.
 """
 
-from __future__ import annotations
-
 import itertools
 from typing import NamedTuple
 

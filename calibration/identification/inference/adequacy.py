@@ -1,7 +1,5 @@
 """Whether the points follow the law, and whether they show what it claims: what a likelihood alone does not say."""
 
-from __future__ import annotations
-
 from typing import Literal, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Uncertainty where the covariance is not enough: profile likelihood and block bootstrap."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """Whether an identification can be trusted."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Charts and words that the reports of a calibration and of an identification share."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fricomp.report import PALETTE, Chart, Line, Panel

@@ -1,7 +1,5 @@
 """The report of an identification: curve, residuals, parameters, training, and what to make of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

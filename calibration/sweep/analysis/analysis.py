@@ -1,7 +1,5 @@
 """From the blocks of a sweep to friction points, with everything that had to be taken off and checked on the way."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal

@@ -1,7 +1,5 @@
 """The static torque, measured: the torque at which a joint at rest gives way under a slow ramp."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The friction curve of a calibration, as a chart: plateaus, what was identified from them, and its band."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

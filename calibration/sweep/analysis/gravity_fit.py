@@ -10,8 +10,6 @@ with polynomials G and P, and a level F of its own for each plateau. P is fricti
 grows with the load: it is the same at every speed, where the age tells more the faster the joint goes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Friction points: one a plateau, from its settled part, less the rigid-body torque."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

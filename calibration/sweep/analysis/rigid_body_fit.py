@@ -1,7 +1,5 @@
 """How well the rigid-body model explains the torque of fast motions: the age of the torque signal, and the scale."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

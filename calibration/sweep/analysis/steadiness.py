@@ -1,7 +1,5 @@
 """Judges a plateau: did it settle, slide steadily, and stay inside the drive's torque?"""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final, Literal
 

@@ -1,7 +1,5 @@
 """Work beside the control loop: in a thread of its own, while the loop goes on in this one."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor

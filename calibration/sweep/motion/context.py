@@ -1,7 +1,5 @@
 """What a motion of calibration works with: the open adapter, the joint, and who closes its loop."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

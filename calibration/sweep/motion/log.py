@@ -1,7 +1,5 @@
 """What the loop saw, cycle by cycle, before it becomes a block of a recording."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fricomp.errors import SweepAborted

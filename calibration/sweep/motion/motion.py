@@ -1,7 +1,5 @@
 """Runs motions on a joint through an adapter, cycle by cycle, and stops when anything is outside its limits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """The first motion of all: a push that rises slowly, while nothing holds the joint but its friction."""
 
-from __future__ import annotations
-
 from math import inf
 from typing import NamedTuple
 

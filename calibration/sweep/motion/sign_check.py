@@ -1,7 +1,5 @@
 """The first motion of all: a low torque that rises until the joint moves, to see that signs and scales are right."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

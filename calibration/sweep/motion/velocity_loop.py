@@ -1,7 +1,5 @@
 """Who makes the joint follow a velocity: the drive's own loop, or one closed here over commanded torque."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import exp

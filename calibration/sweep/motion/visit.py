@@ -1,7 +1,5 @@
 """One visit to a plateau: the reference of every cycle, and from when to when it counts."""
 
-from __future__ import annotations
-
 from math import inf, isfinite
 
 from ..planning.plan import Plateau

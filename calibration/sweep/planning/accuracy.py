@@ -1,7 +1,5 @@
 """What a plan can tell, before anything moves: the Cramér-Rao bound of the parameters for an assumed joint."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

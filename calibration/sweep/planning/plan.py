@@ -1,7 +1,5 @@
 """The plan of a sweep: which plateau, in which order, from where to where, for how long."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest

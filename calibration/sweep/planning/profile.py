@@ -1,7 +1,5 @@
 """Velocity over time of one motion: up a ramp, along a plateau, down again."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

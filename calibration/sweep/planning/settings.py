@@ -1,7 +1,5 @@
 """How a sweep is run: what a user may choose, with defaults that suit most joints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import isfinite
 from typing import Literal

@@ -1,7 +1,5 @@
 """When a plateau has settled: the mean speed of some windows in a row is what was asked for."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 __all__ = ["SettleDetector", "longest_settling"]

@@ -1,7 +1,5 @@
 """Which speeds a sweep visits: spaced in the logarithm, evenly, as listed, or dense where the curve bends."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fricomp.errors import ParameterError

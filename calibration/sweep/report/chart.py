@@ -1,7 +1,5 @@
 """The charts of a calibration, as plain data."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

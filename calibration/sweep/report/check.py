@@ -1,7 +1,5 @@
 """What was checked on the way, with a verdict each."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

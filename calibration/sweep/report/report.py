@@ -1,7 +1,5 @@
 """The report of a calibration: one page, and its charts as pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

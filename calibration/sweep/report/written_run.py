@@ -1,7 +1,5 @@
 """What a calibration leaves in its folder beside the recording: model, network, report, pictures and `run.json`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Benchmarks, one a module: `fricomp bench <name> [--quick] --out DIR`."""
 
-from __future__ import annotations
-
 from fricomp.cli.lazy import lazy_app
 
 __all__ = ["BENCHMARKS", "app"]

@@ -1,7 +1,5 @@
 """`fricomp bench calibrate`: the whole calibration on the default stand-in joint, over several seeds."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

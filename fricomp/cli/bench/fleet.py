@@ -1,7 +1,5 @@
 """`fricomp bench fleet`: how many joints a second are identified in one call."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated

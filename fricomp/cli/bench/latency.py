@@ -1,7 +1,5 @@
 """`fricomp bench latency`: cost of the compensator and lateness of the loop."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

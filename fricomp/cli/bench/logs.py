@@ -1,7 +1,5 @@
 """`fricomp bench logs`: what comes of logs with flaws, one or two at a time."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`fricomp bench motion`: whether the intervals of friction from a recorded motion hold the truth."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """What several benchmarks share: options, and the pool and the bar of those that do one case after the other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """`fricomp bench real`: the diagnosis on public recordings of real joints."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

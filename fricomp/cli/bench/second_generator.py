@@ -1,7 +1,5 @@
 """`fricomp bench second-generator`: the diagnosis on joints that MuJoCo makes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

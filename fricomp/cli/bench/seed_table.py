@@ -1,7 +1,5 @@
 """How the benchmarks of known joints print and keep their scores."""
 
-from __future__ import annotations
-
 import platform
 from pathlib import Path
 from typing import Any

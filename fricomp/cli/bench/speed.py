@@ -1,7 +1,5 @@
 """`fricomp bench speed`: how long everything takes, in units of a fixed amount of arithmetic."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

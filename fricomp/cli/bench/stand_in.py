@@ -1,7 +1,5 @@
 """`fricomp bench stand-in`: how truly the simulated joint sticks and slides, and how fast."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

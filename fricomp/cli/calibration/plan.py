@@ -1,7 +1,5 @@
 """What `fricomp calibrate --dry-run` prints: what would move, how far, how fast and for how long; nothing moves."""
 
-from __future__ import annotations
-
 import numpy as np
 from rich.text import Text
 

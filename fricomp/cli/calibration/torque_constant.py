@@ -1,7 +1,5 @@
 """`fricomp calibrate --torque-constant`: a known weight tells what a reading of torque is in newton metres."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the folder of a diagnosis holds beside one: a model or a page of somebody else stays where it is."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Online adaptation: dry and viscous friction follow slowly, as temperature changes them; off unless asked for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

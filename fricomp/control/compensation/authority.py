@@ -1,7 +1,5 @@
 """The largest torque that a compensation may give: the model's largest friction over its range of validity."""
 
-from __future__ import annotations
-
 import math
 
 from fricomp.control.compensation.curve import FrictionCurves, split_law

@@ -1,7 +1,5 @@
 """The compensation over arrays: the same equation as the hot path, for simulating many cases at once."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fricomp.control.compensation.curve import FrictionCurves

@@ -1,7 +1,5 @@
 """Limits of the compensation of falling and presliding friction."""
 
-from __future__ import annotations
-
 from fricomp.control.compensation.curve import FrictionCurves
 
 FALLING_SHARE_WITHOUT_VELOCITY = 0.5

@@ -1,7 +1,5 @@
 """Settings chosen from the model and the loop it works in."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """How sure a model is of its friction: the gain that does not compensate more than is there."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A friction law taken apart for the hot path: one curve a direction, and the terms that do not fit one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

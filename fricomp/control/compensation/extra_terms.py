@@ -1,7 +1,5 @@
 """Formulas of the terms that fit no curve, summed by what they resist, for the compensator, adaptation and C."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf

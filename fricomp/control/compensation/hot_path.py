@@ -4,8 +4,6 @@ Their text holds what this model and these settings need and nothing else, with 
 that cannot be taken. It is compiled from the library's own words and from numbers; no name of a file is ever in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf

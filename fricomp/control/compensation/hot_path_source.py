@@ -4,8 +4,6 @@ A line is there only where the model and its settings need it. Numbers are writt
 friction come from the terms.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf, isinf

@@ -9,8 +9,6 @@ amplitude A grows if
 has a root in the right half plane; their number is counted from the winding of the left side along s = jw.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

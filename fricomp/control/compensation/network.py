@@ -1,7 +1,5 @@
 """Compensation by networks: one ONNX graph for all joints, bound to fixed buffers, one thread, warmed up."""
 
-from __future__ import annotations
-
 import math
 import os
 import time

@@ -1,7 +1,5 @@
 """The file of a friction network: opened, and what its metadata say."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

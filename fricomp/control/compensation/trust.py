@@ -4,8 +4,6 @@ A law extends to speeds at which nothing was measured, above all to those betwee
 do not show the bend there fit a static torque of any size.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 The gate itself is asked, in a loop around a joint without friction, which would only shorten the way.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 Pure Python floats in lists: for the seven joints of an arm that is several times faster than numpy.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, MutableSequence, Sequence

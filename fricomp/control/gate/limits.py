@@ -1,7 +1,5 @@
 """What one joint may be asked to do, and may be seen doing."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Looked at every few milliseconds, because a contradiction shows over a stretch o
 of positions is drawn tight around where the joint is, so that a jump is seen in the cycle in which it comes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import exp, inf
 from typing import Literal, NamedTuple

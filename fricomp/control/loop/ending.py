@@ -1,7 +1,5 @@
 """The end of a motion: a stop that no signal disturbs, and a word where it did not get through."""
 
-from __future__ import annotations
-
 import atexit
 import sys
 import threading

@@ -1,7 +1,5 @@
 """The torque that joints transmit to their loads: from a model of the robot, or from what the drives report."""
 
-from __future__ import annotations
-
 from math import exp
 from typing import Protocol, runtime_checkable
 

@@ -1,7 +1,5 @@
 """The control loop: read, control, compensate, gate, write; absolute deadlines, never a burst."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

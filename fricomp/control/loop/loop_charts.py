@@ -1,7 +1,5 @@
 """Charts of loops: gain scan, a run, timing."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Is this loop safe with this compensation? Asked before a joint is enabled."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, NamedTuple

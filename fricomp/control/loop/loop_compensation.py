@@ -1,7 +1,5 @@
 """The compensation of all joints in one cycle of a loop: every model gets the inputs that its terms draw on."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from fricomp.control.compensation.adaptation import AdaptationSettings, OnlineAdaptation

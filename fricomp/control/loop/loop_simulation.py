@@ -4,8 +4,6 @@ Meant for questions about stability and robustness, where thousands of loops hav
 simulation bench has the full sensor chain.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 Soft real time: lateness is measured and reported, never promised. What is not allowed is said and left out.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import gc

@@ -1,7 +1,5 @@
 """A torque without its sign: a current as a meter shows it, or as the size of a vector."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

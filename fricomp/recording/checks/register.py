@@ -1,7 +1,5 @@
 """Torques in registers: signed numbers that were read as unsigned ones, and numbers beyond what a register holds."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a log seems to hold: each column, what it is taken for and why, and what speaks against it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What was believed of a log, as a mapping file to edit."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What columns without names look like, and a mapping to edit: which one rises as a time, which follow each other."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Mapping
 from itertools import pairwise

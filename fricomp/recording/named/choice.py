@@ -1,7 +1,5 @@
 """Which column of a log is which channel of which joint, by the names and by what the user says of them."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Collection, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The column of time of a log, its unit, and the time of its rows."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path

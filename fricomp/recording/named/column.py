@@ -1,7 +1,5 @@
 """What the name of a column says: which quantity, of which joint, in which unit."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

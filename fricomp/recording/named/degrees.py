@@ -1,7 +1,5 @@
 """Positions without a unit that can be nothing but degrees, by what they do."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Columns in units that no log states, which are asked for: of a device, of a controller's axis, parts of a rating."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Columns of lists whose entries are named beside them, and columns that share a name."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The gear between a motor and its joint, as far as their motions show it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from pathlib import Path

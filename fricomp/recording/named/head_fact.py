@@ -4,8 +4,6 @@ A rate stands in for a time that no column holds. What is worth of a unit hangs 
 that is said beside what is asked for, and not done.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -1,7 +1,5 @@
 """Which joint of a log is meant by a name that need not be written as the log has it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

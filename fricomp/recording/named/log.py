@@ -1,7 +1,5 @@
 """From the named columns of a log to a recording of each joint in it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

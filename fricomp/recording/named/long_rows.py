@@ -1,7 +1,5 @@
 """Tables with a row for each joint or each signal in turn, and a word or a number in it that says which."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Mapping

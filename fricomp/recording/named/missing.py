@@ -1,7 +1,5 @@
 """What to write where the columns of a log do not say what a joint needs."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Mapping

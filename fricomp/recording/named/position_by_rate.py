@@ -1,7 +1,5 @@
 """The position of a joint in a column whose name says nothing: that of which the velocity is the rate."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Folders with a file for each quantity, all joints in it: `q.txt` and `tau.txt`, `positions.csv` and `torques.csv`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from pathlib import Path

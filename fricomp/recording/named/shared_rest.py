@@ -1,7 +1,5 @@
 """Columns of a joint whose own name says something else: `q_theta1`, `tau_theta1`; `q_A`, `force_A`; `i_elbow`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 

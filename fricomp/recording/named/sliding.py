@@ -1,7 +1,5 @@
 """Whether a joint turns or slides: what the names and units of its columns say, else its simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The columns of a file, whatever its format, by their names."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import re

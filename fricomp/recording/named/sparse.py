@@ -1,7 +1,5 @@
 """Rows that hold one channel each, as several topics in one table have them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

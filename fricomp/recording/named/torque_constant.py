@@ -1,7 +1,5 @@
 """A torque constant that stands beside the current which it makes a torque of."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Names that the tools of drives write themselves, whose units their manuals state."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace

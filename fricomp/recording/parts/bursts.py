@@ -1,7 +1,5 @@
 """Rows that come in bursts: sampled evenly, sent several at a time, and stamped when they arrive."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The picture of what was used of a recording and what was not, and what its channels can show at all."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

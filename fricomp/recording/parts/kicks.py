@@ -1,7 +1,5 @@
 """Lone samples of a torque that the joint answers: the kick of a controller whose set point steps, and no outlier."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation

@@ -5,8 +5,6 @@ long again. That shows where a period's way is clear of the encoder's steps; whe
 joint by less than such a step.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stretches in which the drive is off while the joint moves: somebody moves it, or a brake stops it."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

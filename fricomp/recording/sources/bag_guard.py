@@ -1,7 +1,5 @@
 """What a bag may hold that its reader would work on without end: queries in a data base, endless definitions."""
 
-from __future__ import annotations
-
 import re
 import sqlite3
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Logs of bare frames of a CAN bus, or of bytes in hexadecimal, which do not say what they hold."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

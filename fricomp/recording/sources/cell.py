@@ -1,7 +1,5 @@
 """What a cell of a text says: a number, with or without its unit, a date, or a length of time."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime

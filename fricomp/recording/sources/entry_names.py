@@ -1,7 +1,5 @@
 """Names that stand in a list beside lists of numbers, as in a `JointState`: whose each entry is."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tables in JSON: rows or columns under names, names beside bare rows, one series a channel, and the words in them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 

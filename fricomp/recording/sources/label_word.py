@@ -1,7 +1,5 @@
 """Words for what says, beside numbers, whose they are and what: names of columns in tables, keys in documents."""
 
-from __future__ import annotations
-
 JOINT_LABELS = ("joint", "joint_name", "motor", "motor_name", "axis", "actuator", "drive")
 """Whose a number is."""
 

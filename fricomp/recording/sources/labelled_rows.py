@@ -1,7 +1,5 @@
 """Rows that label each number, as serial ports print them: `t=0.001 q=0.12`, `ms:1,pos:0.12 rad`, `{"t": 0.1, …}`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """MATLAB files, read by scipy in a process of its own: its parser, written in C, dies of some damaged files."""
 
-from __future__ import annotations
-
 import io
 import json
 import subprocess

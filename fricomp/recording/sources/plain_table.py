@@ -1,7 +1,5 @@
 """Texts that are a table but for what their program writes around each row or into each cell, made plain."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import re

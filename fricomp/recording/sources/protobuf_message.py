@@ -1,7 +1,5 @@
 """Messages of protobuf as records of numbers, by the schema that stands in the file beside them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

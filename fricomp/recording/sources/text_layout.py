@@ -1,7 +1,5 @@
 """How a text table is laid out: where its names and its rows begin, and what stands between the cells."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import re

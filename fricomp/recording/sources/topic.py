@@ -1,7 +1,5 @@
 """Messages of several topics as one table: the rows are those of one topic, the others are read at its instants."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """A concealed arm: drawn, moved, sensed, and how strong each of its effects is."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

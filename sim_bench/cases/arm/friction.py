@@ -5,8 +5,6 @@
 solved by Gauss-Seidel over the joints, each a soft threshold; M̂ is positive definite, so that it converges.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

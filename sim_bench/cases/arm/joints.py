@@ -1,7 +1,5 @@
 """Friction of healthy joints, and what each effect does to one of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 

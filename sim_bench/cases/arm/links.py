@@ -1,7 +1,5 @@
 """The arm as it is and as its user believes it to be: MuJoCo models of the packaged file with links changed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Motion of all joints at once: a sum of harmonics each, inside its limits of position, speed and acceleration."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

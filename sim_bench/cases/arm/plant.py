@@ -1,7 +1,5 @@
 """The arm in motion: MuJoCo's mass matrix and bias, a loop at every joint, friction solved for in each step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What makes one concealed arm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ Stribeck curve, the joint's acceleration, its gravity torque, and its whole rigi
 could make up for in this one joint, all others left aside.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The files of a concealed arm: what the diagnosis may read, and in another folder what it must not."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import secrets

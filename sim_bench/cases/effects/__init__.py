@@ -1,7 +1,5 @@
 """All effects that the generator can conceal, by name."""
 
-from __future__ import annotations
-
 from ..effect import Effect
 from . import drive, friction, load, measurement, outside, parameter, position, transmission
 

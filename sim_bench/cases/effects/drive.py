@@ -1,7 +1,5 @@
 """Effects between the torque that the drive reports and the torque that reaches the joint."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..dynamics import SAMPLE_PERIOD

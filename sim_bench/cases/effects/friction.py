@@ -1,7 +1,5 @@
 """Effects in the friction curve itself: its shape, its memory, its temperature."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth

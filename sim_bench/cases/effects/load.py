@@ -1,7 +1,5 @@
 """Friction that follows the transmitted load."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth

@@ -1,7 +1,5 @@
 """Effects in what is measured, while the joint is right."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..dynamics import SAMPLE_PERIOD

@@ -1,7 +1,5 @@
 """Effects that the catalogue does not have, to see whether the diagnosis says so; and one that it calls external."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

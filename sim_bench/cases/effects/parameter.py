@@ -1,7 +1,5 @@
 """Parameters that the user's simulation has wrong; its structure is right."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth

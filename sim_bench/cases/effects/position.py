@@ -1,7 +1,5 @@
 """Effects that are fixed to places: friction waves, cogging, springs, end stops."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth

@@ -1,7 +1,5 @@
 """Effects of the gear between motor and link, and of the joint next door."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth

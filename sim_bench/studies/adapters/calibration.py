@@ -1,7 +1,5 @@
 """One joint calibrated through every adapter and its twin, beside the same joint calibrated without a drive."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass

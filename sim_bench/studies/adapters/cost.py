@@ -1,7 +1,5 @@
 """What a control cycle costs an adapter: encode, gate and decode, without the bus."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

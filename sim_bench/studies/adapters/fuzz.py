@@ -1,7 +1,5 @@
 """Random and damaged traffic into an enabled adapter: no crash, no foreign exception, no torque beyond the gate's."""
 
-from __future__ import annotations
-
 import gc
 import random
 import sys

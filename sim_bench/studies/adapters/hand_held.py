@@ -1,7 +1,5 @@
 """A motor held in the hand, behind the electronics of a drive twin: without dynamics, so that only the wire counts."""
 
-from __future__ import annotations
-
 
 class HandHeldAxis:
     """Stands where a twin has its joint: position and velocity are set, torque is looked at.

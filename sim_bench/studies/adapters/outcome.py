@@ -1,7 +1,5 @@
 """The figures of all measurements, as one outcome."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Frames of the adapters against those of independent encoders, over random commands."""
 
-from __future__ import annotations
-
 import random
 import struct
 import warnings

@@ -1,7 +1,5 @@
 """Round trips over slcan on one pseudo-terminal: the chunked bus against python-can's own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

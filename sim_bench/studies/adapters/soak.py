@@ -5,8 +5,6 @@ are those of links (`fricomp.testing.FAULTS`, a cable that is pulled, a line tha
 lie. Each ends at zero torque, and nothing goes on before faults were cleared and the joint was enabled again.
 """
 
-from __future__ import annotations
-
 import gc
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Figures over sealed arms, each with its target and interval."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The page on sealed arms, in Markdown."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Running sealed arms: each is made, sealed, examined blind in another process, opened and scored."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict

@@ -1,7 +1,5 @@
 """What the examination of an arm said, beside what is true."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Whether probabilities hold: answers given with probability p must be right in p of the cases."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A case diagnosed from its files alone, in a process and a folder of its own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

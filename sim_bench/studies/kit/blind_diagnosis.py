@@ -4,8 +4,6 @@ Run as `python -m fricomp.sim_bench.studies.kit.blind_diagnosis`; it is `fricomp
 imports nothing of the generator and sees nothing but the files beside it.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

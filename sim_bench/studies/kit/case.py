@@ -1,7 +1,5 @@
 """Running the cases of a study that are not finished yet."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from typing import Any

@@ -1,7 +1,5 @@
 """At which commit a figure was measured: a figure belongs to that commit, and later ones do not make it false."""
 
-from __future__ import annotations
-
 import subprocess
 from datetime import date
 from functools import cache

@@ -1,7 +1,5 @@
 """One figure of a study: a value with its interval, its target, and the cases behind it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar

@@ -1,7 +1,5 @@
 """The folder of a run of a study: one process writes it at a time, and nothing of somebody else's is replaced in it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Parameters whose true value is known, as a diagnosis gave them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What a study gives: figures for machines, tables and charts for people, all in one folder."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path

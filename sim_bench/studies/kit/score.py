@@ -1,7 +1,5 @@
 """What a diagnosis said, held against what is true: names, sets and intervals, the same for every generator."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass

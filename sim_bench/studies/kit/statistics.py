@@ -1,7 +1,5 @@
 """Shares, medians and means with their 95 % intervals."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Finished cases on disk, so that a run that was stopped can go on."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """What the compensator and the gate cost, in units of one bare Stribeck curve in pure `math`."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Seven joints of the stand-in in a loop at 1 kHz: what the library takes of a tick, and how late it comes."""
 
-from __future__ import annotations
-
 import tempfile
 import time
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Cost of the compensator and timing of the loop, as one outcome."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The unit of what a call costs: one bare Stribeck curve in pure `math`, timed beside it."""
 
-from __future__ import annotations
-
 import math
 import time
 import timeit

@@ -1,7 +1,5 @@
 """Twenty things that happen to logs, each a transform of a good one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A simulated joint under a PD loop, logged as a drive would: the good log that flaws are put into."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

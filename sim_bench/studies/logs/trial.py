@@ -1,7 +1,5 @@
 """What comes of a flawed log: the right friction within its interval, a refusal that names a flaw, or neither."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """The paper's own training: the same network and losses, 50,000 Adam steps in torch, learning rate 0.001."""
 
-from __future__ import annotations
-
 import time
 from itertools import pairwise
 

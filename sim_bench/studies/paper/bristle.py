@@ -1,7 +1,5 @@
 """A LuGre joint as it would be recorded: solved finely by a rule of its own, seen through an encoder and noise."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One chart for each figure of [luo2024pinn] that shows data or a course, convergence, and the spread over draws."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

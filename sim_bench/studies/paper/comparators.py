@@ -1,7 +1,5 @@
 """The methods beside ours, on the same likelihood and within the paper's bounds. For the benchmark only."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ learning factors 1 as in the paper, velocity within a fifth of the range; GA wit
 crossover and polynomial mutation [deb1995sbx] and survival of the best of parents and children.
 """
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where the joint is no Stribeck joint: closed form, exported network and a purely data-driven one, held out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two more figures of the page: speeds chosen for information, and LuGre from a time series."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

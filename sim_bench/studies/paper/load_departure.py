@@ -1,7 +1,5 @@
 """Several normal loads: closed form, exported network and a data-driven one, between and beyond the loads measured."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

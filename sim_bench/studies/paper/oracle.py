@@ -3,8 +3,6 @@
 Shares no code with `fricomp.calibration.identification`, so that a mistake there cannot hide here.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

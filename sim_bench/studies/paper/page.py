@@ -1,7 +1,5 @@
 """The page `docs/identification.md`: measured figures from the store between what they mean."""
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """What [luo2024pinn] prints in tables III, IV, VI and VII: identified values, and the average errors it states."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

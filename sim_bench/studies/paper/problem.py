@@ -1,7 +1,5 @@
 """The paper's identification problem: its law, its grids, its noise in both readings, its limit."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Page, pictures and figures written from the ledger."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

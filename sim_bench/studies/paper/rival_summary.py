@@ -1,7 +1,5 @@
 """Figures of the other methods beside ours, from the ledger of finished draws."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The other methods on the draws that ours had: PSO, GA, CMA-ES, robust least squares, the paper's own training."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The measured parts of the page `docs/identification.md`, each from the ledger."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Our own figures over many seeds, kept in the ledger draw by draw."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import asdict

@@ -1,7 +1,5 @@
 """Figures from the ledger of finished draws."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

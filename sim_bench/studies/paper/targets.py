@@ -1,7 +1,5 @@
 """What was to be reached, beside what was measured."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Processor time of every method, one after another in one process, so that a shared machine does not count."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Why figures were not reached: what is known of each, from a file beside the page, and where its cases fail."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

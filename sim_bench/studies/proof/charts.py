@@ -1,7 +1,5 @@
 """Charts of the page of a proof."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 

@@ -1,7 +1,5 @@
 """The plan of effects injected into real recordings: first the recordings as they are, then one effect at a time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from fricomp.recording import find_public_data

@@ -1,7 +1,5 @@
 """Which answers are right, which are wrong, and which cases a figure of names counts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..kit.figure import WEAK, select

@@ -1,7 +1,5 @@
 """What is kept of a run as data beside its page, and a run that goes on from it in another checkout."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from pathlib import Path
 

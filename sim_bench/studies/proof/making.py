@@ -1,7 +1,5 @@
 """Cases made on a worker, with their names and the commands that make them again."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory

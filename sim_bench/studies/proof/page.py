@@ -1,7 +1,5 @@
 """The page of a proof: figures, their causes and parts, power and wrong answers, with charts beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

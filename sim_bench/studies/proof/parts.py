@@ -1,7 +1,5 @@
 """Scores in parts: by group, friction core, motion, noise, strength, effect and recording, as rows of tables."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 

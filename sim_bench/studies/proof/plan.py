@@ -4,8 +4,6 @@ Motions, friction cores and noises are drawn from shuffled decks, so that every 
 turn side by side meet in the same pairs for ever where their lengths share a divisor.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import cycle, islice

@@ -1,7 +1,5 @@
 """Power against strength beside the best possible detector's, and which answer came first."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Each score is a line of `scores.jsonl` at once, so that a run which is stopped g
 diagnoses are kept beside it, and `refused.jsonl` lists the cases that could not be made.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait

@@ -1,7 +1,5 @@
 """The score of one case: what was concealed against what was answered."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ This proves the order of events to whoever holds the earlier hash; it does not p
 written by different people.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

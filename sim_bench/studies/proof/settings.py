@@ -1,7 +1,5 @@
 """What decides the cases of a run: kept in its folder before anything starts."""
 
-from __future__ import annotations
-
 import hashlib
 import secrets
 import time

@@ -1,7 +1,5 @@
 """Two runs of the same cases side by side: which answers differ, and by how much numbers moved."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """How much faster several workers are than one, on the same cases."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable, Sequence

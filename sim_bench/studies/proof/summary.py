@@ -1,7 +1,5 @@
 """All scores as figures: each with its target, its interval and its number of cases."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

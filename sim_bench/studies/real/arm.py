@@ -1,7 +1,5 @@
 """Kinematics of arms in the public sets, as MJCF: bodies and axes only, for what their links weigh is identified."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import cos, pi, sin
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Which public recordings are diagnosed, what is hidden in them, and what others found."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

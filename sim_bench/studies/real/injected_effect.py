@@ -3,8 +3,6 @@
 Written for this purpose only; it shares no code with the diagnosis or with the friction laws.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple

@@ -9,8 +9,6 @@ leaves of the effect, in windows, over what the same refit leaves of the recordi
 joints have beside).
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import secrets

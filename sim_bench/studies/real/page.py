@@ -1,7 +1,5 @@
 """The page on real recordings: what was found, beside what is known, in Markdown."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """One public set through the diagnosis, and what came of it beside what was expected."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor

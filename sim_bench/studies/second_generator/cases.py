@@ -1,7 +1,5 @@
 """Which joints are recorded, on which motions, with which sensors and seeds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

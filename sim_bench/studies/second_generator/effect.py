@@ -1,7 +1,5 @@
 """An effect that a joint can have, and how joints with one are built."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal

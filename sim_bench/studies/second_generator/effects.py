@@ -1,7 +1,5 @@
 """Every effect by its name."""
 
-from __future__ import annotations
-
 from fricomp.errors import DiagnosisError
 
 from .effect import Effect, always

@@ -1,7 +1,5 @@
 """Figures over all scores, each a share with its exact interval."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

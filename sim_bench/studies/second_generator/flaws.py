@@ -1,7 +1,5 @@
 """Parameters and signals that are wrong."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from math import cos, sin

@@ -1,7 +1,5 @@
 """Other forms of effects than those that the catalogue of the diagnosis has, and drives that it does not have."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

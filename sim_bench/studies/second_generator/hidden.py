@@ -1,7 +1,5 @@
 """What one joint has that its simulation leaves out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """The joint as MJCF text: a plain one, as simulations have it, and one with parts that the plain file leaves out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 __all__ = [

@@ -1,7 +1,5 @@
 """What is written into MuJoCo's joint at every step: friction, outside torque and strength of the motor."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import copysign, cos, exp, sin
 from typing import NamedTuple

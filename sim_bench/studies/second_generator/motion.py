@@ -1,7 +1,5 @@
 """The two motions on which the joints are recorded."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

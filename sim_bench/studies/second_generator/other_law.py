@@ -1,7 +1,5 @@
 """Laws in other forms than the catalogue of the diagnosis has them."""
 
-from __future__ import annotations
-
 from collections import deque
 from math import exp, log1p
 

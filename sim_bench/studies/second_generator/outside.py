@@ -1,7 +1,5 @@
 """What no effect of the catalogue describes."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from . import law

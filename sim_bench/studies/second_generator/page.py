@@ -1,7 +1,5 @@
 """The page on the second generator, in Markdown."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

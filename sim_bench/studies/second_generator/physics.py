@@ -1,7 +1,5 @@
 """Physics of the catalogue that MuJoCo can have, with true parameters."""
 
-from __future__ import annotations
-
 from functools import partial
 from math import cos, sin, sqrt
 

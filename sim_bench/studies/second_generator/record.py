@@ -1,7 +1,5 @@
 """A recording of a joint: MuJoCo steps it, a PD loop moves it, an encoder and a noisy torque signal are kept."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

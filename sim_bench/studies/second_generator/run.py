@@ -1,7 +1,5 @@
 """One case from its joint to its score: recorded, diagnosed from the files alone in another process, compared."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict

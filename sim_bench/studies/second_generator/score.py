@@ -1,7 +1,5 @@
 """What a diagnosis said of one case, beside what is true."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

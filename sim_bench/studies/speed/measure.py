@@ -1,7 +1,5 @@
 """All timings of `fricomp bench speed` in one run."""
 
-from __future__ import annotations
-
 import cProfile
 import pstats
 import time

@@ -1,7 +1,5 @@
 """The page on speed, in Markdown, with its growth curves."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

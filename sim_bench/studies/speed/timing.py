@@ -4,8 +4,6 @@ Processor time leaves out what other work on the machine takes, and the unit wha
 a fast and on a slow one, but for caches and widths of vectors.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The work that is timed: diagnoses, identifications, files, and other packages on the same data."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """One run on the stand-in: a sine, a controller, a compensation, and the true tracking error."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args

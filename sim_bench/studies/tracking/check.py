@@ -1,7 +1,5 @@
 """The default compensation of a tracked joint, asked whether its loop is safe."""
 
-from __future__ import annotations
-
 from fricomp.control import DriveLimits, check_loop
 from fricomp.control.loop.loop_check import LoopCheck
 

@@ -3,8 +3,6 @@
 The joint has friction from its load and cogging that nobody has told the calibration of.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The joints that are tracked, what is known of them, and the loop around them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The parts of the study of tracking, each as figures for machines and a section for people."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Where compensation wins and loses when gain, friction and delay are not what was assumed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

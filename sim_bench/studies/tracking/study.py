@@ -1,7 +1,5 @@
 """The table of tracking figures: joints, amplitudes, bandwidths, methods."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A joint that swings a link in the vertical plane, with friction that its model does not know of."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

@@ -4,8 +4,6 @@ Position and velocity in encoder increments of the motor, torque in thousandths 
 (0x1016) fails, or NMT leaves operational, 6007 says what happens: nothing, fault, disable voltage or quick stop.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, pi
 from typing import Any

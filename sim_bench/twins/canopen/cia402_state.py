@@ -1,7 +1,5 @@
 """The CiA 402 state machine as tables [cia402]."""
 
-from __future__ import annotations
-
 from enum import Enum
 
 __all__ = ["DriveCommand", "DriveState", "command_of", "next_state", "status_word"]

@@ -1,7 +1,5 @@
 """What a CANopen node holds of its network: process data as configured, and frames sent in simulated time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

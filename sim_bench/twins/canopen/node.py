@@ -1,8 +1,6 @@
 """A CANopen node on any CAN port and in simulated time: object dictionary and SDO server from the canopen package,
 NMT, heartbeat, SYNC and process data here, because that package's local node sends none by itself [cia301]."""
 
-from __future__ import annotations
-
 import struct
 from abc import abstractmethod
 from pathlib import Path

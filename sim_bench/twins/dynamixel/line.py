@@ -1,7 +1,5 @@
 """Dynamixel servos on one line, protocol 2.0: single, group and broadcast instructions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from ...stand_in import StandIn

@@ -1,7 +1,5 @@
 """Packets of Dynamixel protocol 2.0 as a servo takes and makes them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from enum import IntEnum
 

@@ -9,8 +9,6 @@ are. Goal current bounds current-based position (mode 5) only: the loops of velo
 end in a voltage.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, pi

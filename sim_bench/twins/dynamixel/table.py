@@ -1,7 +1,5 @@
 """The control table of the XM430-W350: address, size, value as delivered, and what may be written."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 TABLE_SIZE = 252

@@ -4,8 +4,6 @@ The answer goes to one identifier for all motors, carries the motor's number fir
 The timeout is set with the maker's own tool only and is off as delivered.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import ClassVar

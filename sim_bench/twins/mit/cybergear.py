@@ -5,8 +5,6 @@ Parameters are read and written (types 17 and 18) little endian, motion is big e
 without a frame, in counts of 50 µs, after which the motor resets; 0, as delivered, switches that off.
 """
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from enum import IntEnum

@@ -5,8 +5,6 @@ q16, dq12, kp12, kd12, tau12, over ranges that registers 21 to 23 hold. Every fr
 Register 9 is the time without a frame, in counts of 50 µs, after which the motor goes limp; 0 switches that off.
 """
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass
 from enum import IntEnum

@@ -1,7 +1,5 @@
 """moteus controllers behind an fdcanusb, or directly on a UART: lines `can send ID DATA` and `rcv ID DATA`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ...stand_in import StandIn

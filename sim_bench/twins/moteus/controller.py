@@ -6,8 +6,6 @@ a float NaN mean "not given". A position command lapses after its timeout (0.1 s
 which only a stop command leaves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, isnan, nan, pi

@@ -1,7 +1,5 @@
 """Subframes of the multiplex protocol that moteus speaks."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass

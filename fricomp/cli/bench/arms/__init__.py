@@ -1,7 +1,5 @@
 """`fricomp bench arms`: what is named in arms whose truth is concealed, and how well their links are known."""
 
-from __future__ import annotations
-
 from fricomp.cli.lazy import lazy_app
 
 __all__ = ["app"]

@@ -1,7 +1,5 @@
 """`fricomp bench arms run`: conceal links and physics in arms, examine them blind, and score the answers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

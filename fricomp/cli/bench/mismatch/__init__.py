@@ -1,7 +1,5 @@
 """`fricomp bench mismatch`: what the diagnosis names in joints whose truth is concealed from it."""
 
-from __future__ import annotations
-
 from fricomp.cli.lazy import lazy_app
 
 __all__ = ["app"]

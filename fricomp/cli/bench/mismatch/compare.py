@@ -1,7 +1,5 @@
 """`fricomp bench mismatch compare`: the answers of two runs of the same cases side by side."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`fricomp bench mismatch gap`: how much of the held-out error a diagnosis closes, of what could be closed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`fricomp bench mismatch page`: the page of a run, written again without running anything."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

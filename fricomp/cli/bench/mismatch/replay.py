@@ -1,7 +1,5 @@
 """`fricomp bench mismatch replay`: the cases of a kept run made again, and diagnosed by the diagnosis of today."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

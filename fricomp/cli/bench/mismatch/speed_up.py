@@ -1,7 +1,5 @@
 """`fricomp bench mismatch speed-up`: how much faster two workers diagnose than one."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """All baselines on the same cases: what they name, and how much of the gap they close on held-out blocks."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor

@@ -1,7 +1,5 @@
 """The regressors that a straightforward engineer would try, by the name of the effect."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .data import BaselineData, Samples

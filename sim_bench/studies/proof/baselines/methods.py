@@ -1,7 +1,5 @@
 """Baselines: greedy selection by BIC, least squares with all terms, a sparse regression, parameters only, a network."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from contextlib import redirect_stdout
