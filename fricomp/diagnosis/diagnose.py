@@ -17,6 +17,7 @@ from fricomp.recording import Recording
 
 from .channels.reading import read_channels, read_held, read_loads
 from .effects import EFFECTS
+from .effects.structure import N_BASE
 from .evidence.case import Case
 from .evidence.findings import Findings, collect_findings, prefer_simulation
 from .forward.forward import measure_forward_error
@@ -30,6 +31,7 @@ from .joint.base import unpack
 from .joint.loading import build_tracks, has_low_rate
 from .joint.observer import Observer
 from .joint.settings import JOINT
+from .joint.solver import Fit
 from .joint.weak_form import estimate_rest_speed
 from .low_rate.answer import diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
@@ -37,6 +39,7 @@ from .samples.second_look import look_into_samples, remove_ripple
 from .search.late_torque import measure_late_torque
 from .search.preparation import Baseline, prepare
 from .search.rounds import search_in_rounds
+from .search.settings import SEARCH
 from .verdict.experiment import propose_experiment
 from .verdict.judging import Verdict, describe_repetitions, join_channels, judge, judge_beside
 from .verdict.naming import name_late_action
@@ -189,11 +192,14 @@ def _run_stages(
             if not shown:
                 raise
             return write_read_off(given, shown, (f"No joint model: {error}.",), (*given.remarks, *told))
-        reasons = _check_inertia(given, baseline)
-        if reasons:
+        reasons = _check_inertia(given, baseline.fit)
+        if reasons and baseline.noise_ratio < SEARCH.bent:
             return write_refusal(given, reasons, told)
         answer = _answer(given, baseline, base, simulated, seed, progress)
         findings, verdict = _weigh_late_action(given, answer, simulated, seed, progress)
+        reasons = _check_inertia(given, (findings.chosen or findings.case.baseline).fit)
+        if reasons:
+            return write_refusal(given, reasons, told)
         others = _repeat_with_other_noise(given, simulated, progress) if thorough else ()
         remarks = (*given.remarks, *describe_repetitions(verdict, others))
         verdict = join_channels(verdict, read_channels(given.recordings))
@@ -339,9 +345,11 @@ def _choose_observer(given: Given, tracks: Sequence[Track]) -> Observer:
     return replace(observer, bandwidth=min(fastest, JOINT.settled / width))
 
 
-def _check_inertia(given: Given, baseline: Baseline) -> list[str]:
-    """Why the recordings cannot be of the simulation's joint; empty where they can."""
-    return [] if given.rigid is None else inertia_against(unpack(baseline.fit.theta).inertia, given.rigid.inertia)
+def _check_inertia(given: Given, fit: Fit) -> list[str]:
+    """Why the recordings cannot be of the simulation's joint by this fit of it; empty where they can. A base that
+    leaves much may have been bent that far by what it lacks, as by a stop."""
+    plant = unpack(fit.theta[:N_BASE])
+    return [] if given.rigid is None else inertia_against(plant.inertia, given.rigid.inertia)
 
 
 def _simulate_forward(given: Given, findings: Findings) -> Forward | None:

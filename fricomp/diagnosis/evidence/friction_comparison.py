@@ -31,6 +31,7 @@ _FORWARD, _REVERSE = 4, 8
 """Where the curves of the two directions begin among the base's parameters."""
 _VISCOUS = 3
 """Which number of a curve is the viscous coefficient; the first is the Coulomb torque."""
+_OFFSET, _ASYMMETRY = "torque_offset", "direction_asymmetry"
 _LEVELS, _SHAPE = 3, 5
 """Where offset and levels begin in a shift, and the shape of the curves."""
 
@@ -80,15 +81,31 @@ def compare_friction(
     odd = _compute_odd_shift(plant, covariance, curves, given)
     strays = _compute_strays(odd, level, tolerances, compute_inertia_stray(plant, tolerances, acceleration))
     shifts = _name_uneven(odd, strays, (level, unit))
-    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    changes = tuple(
-        describe_change(f"{side}.coulomb_torque", curve.coulomb_torque, refitted[0], float(deviations[at]), unit)
-        for side, curve, refitted, at in (
-            ("forward", forward, plant.forward, _FORWARD),
-            ("reverse", reverse, plant.reverse, _REVERSE),
-        )
+    return Comparison(shifts, _list_level_changes(plant, covariance, given, unit, {one.name for one in shifts}))
+
+
+def _list_level_changes(
+    plant: Plant, covariance: FloatArray, given: GivenFriction, unit: str, named: set[str]
+) -> tuple[Change, ...]:
+    """Coulomb torques of both directions beside the given ones, where they are named to differ, with what was not named
+    as it was given: a joint that slides shows only the sum of a level and the offset."""
+    levels = given.model.forward.coulomb_torque, given.model.reverse.coulomb_torque
+    rows = np.zeros((2, covariance.shape[0]))
+    rows[0, _FORWARD], rows[1, _REVERSE] = 1.0, 1.0
+    shift = np.zeros(2)
+    if named == {_ASYMMETRY}:
+        rows[:, _LEVELS] = 1.0, -1.0
+        shift = given.offset * np.array([-1.0, 1.0])
+    elif named == {_OFFSET}:
+        rows[:, [_FORWARD, _REVERSE]] = 0.5
+        shift = 0.5 * (levels[0] - levels[1]) * np.array([1.0, -1.0])
+    values = rows[:, [_LEVELS, _FORWARD, _REVERSE]] @ [plant.offset, plant.forward[0], plant.reverse[0]] + shift
+    deviations = np.sqrt(np.maximum(np.diag(rows @ covariance @ rows.T), 0.0))
+    return tuple(
+        describe_change(f"{side}.coulomb_torque", level, float(value), float(deviation), unit)
+        for side, level, value, deviation in zip(("forward", "reverse"), levels, values, deviations, strict=True)
+        if named
     )
-    return Comparison(shifts, changes if shifts else ())
 
 
 def list_friction_changes(
@@ -182,7 +199,7 @@ def _name_uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> t
     covariance = odd.covariance + strays
     spans = np.eye(8)[:, _LEVELS:_SHAPE]
     spans[_SHAPE, 1] = odd.curve[1] / max(float(odd.curve[0]), 1e-9)  # friction that is stronger one way is so at rest
-    offset, asymmetry = "torque_offset", "direction_asymmetry"
+    offset, asymmetry = _OFFSET, _ASYMMETRY
     both = f"{offset}+{asymmetry}"
     hypotheses = {offset: spans[:, :1], asymmetry: spans[:, 1:], both: spans}
     options = []
@@ -220,7 +237,7 @@ def _describe_uneven(
     name: str, value: float, half: float, context: tuple[float, str], alike: tuple[str, ...] = ()
 ) -> Shift:
     level, unit = context
-    if name == "torque_offset":
+    if name == _OFFSET:
         numbers = {"offset": Quantity(value, unit, (value - half, value + half))}
         return Shift(name, numbers, f"a constant torque of {value:.3g} {unit} is missing", alike=alike)
     ratio, wide = value / level, half / level

@@ -48,12 +48,11 @@ def measure_sensor_noise(recording: Recording) -> SensorNoise:
     position, torque = np.array(recording.position), np.array(recording.torque)
     velocity = differentiate(position, period)
     step = recording.metadata.encoder_resolution or find_encoder_step(position)
-    rounding, white = INPUT.rounding * step, measure_position_noise(position, velocity).white
     return SensorNoise(
         period=period,
         torque=_combine_noise(measure_torque_noise(torque, find_calm_samples(position, velocity, period))),
         encoder_step=step,
-        position=_subtract_variance(white, rounding) if white > INPUT.own_noise * rounding else 0.0,
+        position=measure_position_noise(position, velocity).measure_own(step),
     )
 
 

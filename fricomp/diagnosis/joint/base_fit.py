@@ -137,5 +137,6 @@ def _free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
     lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
     at = [_CREEP, _LEAD]
     lower[at], upper[at] = (JOINT.slowest_creep * top_speed, 0.0), (JOINT.fastest_creep * top_speed, JOINT.longest_lead)
-    scale[at] = 0.1 * max(float(start[_CREEP]), JOINT.slowest_creep * top_speed), 0.1 * start[_LEAD]
+    creep, lead = max(float(start[_CREEP]), lower[_CREEP]), max(float(start[_LEAD]), 1.0 / max(JOINT.creep_rates))
+    scale[at] = 0.1 * creep, 0.1 * lead
     return replace(box, lower=lower, upper=upper, scale=scale)

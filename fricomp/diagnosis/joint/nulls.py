@@ -202,13 +202,16 @@ def _draw_null(
     track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
 ) -> Track:
     """Record a joint that `applied` moves along `position`, with fresh noise, rounding, a small delay and the same rows
-    missing."""
+    missing. Noise of the position shows in rows of rest, where a bristle takes up that of a torque."""
     torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
     if track.position_noise.jitter > 0.0:
         late = track.position_noise.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     torque = track.bridge(torque + track.unrest * drawn)
+    own = track.position_noise.measure_own(track.resolution)
+    if own > 0.0:
+        position = position + own * rng.standard_normal(track.size)
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     position = track.bridge(position)

@@ -11,6 +11,7 @@ from fricomp.diagnosis.evidence.comparison import NAMED, PLAIN, UNEXPLAINED, Com
 from fricomp.diagnosis.evidence.friction_comparison import (
     GivenFriction,
     _describe_uneven,
+    _list_level_changes,
     compare_friction,
     list_friction_changes,
 )
@@ -200,6 +201,25 @@ def test_an_offset_that_gravity_could_fill_in_for_shows_where_gravity_is_as_give
     (effect,) = compare_friction(plant, covariance, _given(rigid), "N·m", PLAIN, _BRISK).shifts
     assert effect.name == "torque_offset"
     assert effect.parameters["offset"].value == pytest.approx(0.04, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("named", "levels"),
+    [
+        ({"direction_asymmetry"}, (1.9, 2.3)),
+        ({"torque_offset"}, (2.1, 2.1)),
+        ({"direction_asymmetry", "torque_offset"}, (2.2, 2.0)),
+        (set(), ()),
+    ],
+)
+def test_levels_are_told_with_what_is_not_named_as_it_was_given(named: set[str], levels: tuple[float, ...]) -> None:
+    """Sliding shows the sum of a level and the offset, and a fit may have parted them anyhow."""
+    plant = replace(_PLANT, offset=-0.2, forward=(2.2, 2.8, 0.05, 1.0), reverse=(2.0, 2.6, 0.05, 1.0))
+    covariance = np.diag(np.full(12, 1e-3)) ** 2
+    covariance += 0.3**2 * np.outer(*[np.eye(12)[3] - np.eye(12)[4] + np.eye(12)[8]] * 2)
+    changes = _list_level_changes(plant, covariance, _given(offset=0.1), "N·m", named)
+    assert [one.refitted.value for one in changes] == pytest.approx(levels)
+    assert all(one.refitted.ci95[1] - one.refitted.ci95[0] < 0.01 for one in changes) == (len(named) < 2)
 
 
 def test_an_offset_that_the_simulation_has_itself_is_none() -> None:

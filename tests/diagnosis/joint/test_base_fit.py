@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.joint.base import BASE_NAMES
-from fricomp.diagnosis.joint.base_fit import try_other_bristle
+from fricomp.diagnosis.joint.base_fit import fit_creeping, try_other_bristle
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.joint.settings import JOINT
@@ -52,3 +52,12 @@ def test_a_quiet_fit_stays(baseline: Baseline) -> None:
 def test_a_loud_fit_with_little_damping_stays(baseline: Baseline) -> None:
     loud = replace(baseline.fit, residual=5.0 * baseline.fit.residual)
     assert try_other_bristle(baseline.problem, loud, baseline.box) is loud
+
+
+def test_a_fit_goes_on_from_friction_that_creeps_and_is_not_ahead(baseline: Baseline) -> None:
+    theta = baseline.fit.theta.copy()
+    creep, lead = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
+    theta[[creep, lead]] = 1e-3, 0.0
+    fit, box = fit_creeping(baseline.problem, theta, baseline.box, top_speed=1.0)
+    assert box.scale[lead] > 0.0
+    assert np.all(np.isfinite(fit.jacobian))

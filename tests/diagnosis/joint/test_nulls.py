@@ -11,7 +11,7 @@ import pytest
 
 from fricomp.diagnosis.inputs.controller import Controller
 from fricomp.diagnosis.inputs.delay import shift
-from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, differentiate
+from fricomp.diagnosis.inputs.track import FloatArray, PositionNoise, TorqueNoise, differentiate
 from fricomp.diagnosis.joint import nulls as nulls_module
 from fricomp.diagnosis.joint import problem as problem_module
 from fricomp.diagnosis.joint.loading import build_tracks
@@ -135,6 +135,22 @@ def test_where_the_joint_hardly_slides_all_rows_count() -> None:
     problem = problem_of()
     resting = replace(problem.tracks[0], velocity=np.zeros(problem.tracks[0].size))
     assert np.all(_find_sliding(replace(problem, tracks=(resting,)), 0))
+
+
+@pytest.mark.parametrize("noise", [2e-5, 1e-4])
+def test_noise_of_a_position_is_none_of_the_torque(noise: float) -> None:
+    """A bristle at rest takes up that of a torque, and nulls with it alone would be quieter there than the joint."""
+    smooth = recording(ToyJoint(resolution=1e-9, torque_noise=1e-4), "fourier", 15.0, every=2)
+    drawn = np.random.default_rng(1).standard_normal(len(smooth))
+    (track,) = build_tracks([replace(smooth, position=np.array(smooth.position) + noise * drawn)])
+    assert track.position_noise.white == pytest.approx(noise, rel=0.05)
+    assert prepare([track], observer=Observer(), nulls=8, seed=0).noise_ratio == pytest.approx(1.0, abs=0.13)
+
+
+def test_a_position_has_noise_of_its_own_where_it_is_more_than_rounding() -> None:
+    assert PositionNoise(3e-4, 0.0).measure_own(5e-4) == pytest.approx(np.sqrt(9.0 - 25.0 / 12.0) * 1e-4)
+    assert PositionNoise(2.5e-4, 0.0).measure_own(5e-4) == 0.0
+    assert PositionNoise(2e-5, 0.0).measure_own(0.0) == pytest.approx(2e-5)
 
 
 def test_columns_are_whitened_as_rows_are() -> None:
