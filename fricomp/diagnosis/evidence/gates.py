@@ -8,13 +8,23 @@ from ..joint.base import BASE_NAMES, unpack
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
+from ..search.settings import SEARCH
 from ..search.tone import Tone, find_tone
 from .confirmation import Confirmation
 from .settings import GATES
 
 
 def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
-    """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
+    """Whether little is left beside `best`: of what it explains, or of what would stand out by itself; and no fewer
+    effects explain clearly more with numbers that they cannot have. What is there is near to those then, as a ripple of
+    one wave over the range is, and the others together only imitate it."""
+    if any(
+        one.refused
+        and len(one.names) < len(best.names)
+        and one.gain > best.gain + SEARCH.clearly_better * found.threshold
+        for one in found.explanations
+    ):
+        return False
     faint = max(GATES.faint_nulls * found.explainable_null, GATES.faint * baseline.fit.residual.size)
     clear = best.certain > GATES.clear * found.threshold
     if best.left < found.explainable_null:

@@ -24,18 +24,18 @@ def shift(values: FloatArray, samples: float) -> FloatArray:
 def apply_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
     """Pass `values` through low passes of the first order, which start at rest at the first value. Shape (n,).
 
-    Each is late by its time constant in the mean. A factor exp(-dt / lag) would make it half a sample less, which the
-    fit of a lag would add to its time constant.
+    Exact for values that go straight from sample to sample (first-order hold): however few samples a time constant
+    has, it is neither later nor less spread than it is.
     """
-    for lag in lags:
-        keep = lag / (lag + dt)
-        values, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
+    for lag in (one for one in lags if one > 0.0):
+        keep = np.exp(-dt / lag)
+        mean = lag / dt * (1.0 - keep)
+        values, _ = lfilter([1.0 - mean, mean - keep], [1.0, -keep], values, zi=[mean * values[0]])
     return values
 
 
 def undo_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """Return what gives `values` behind these low passes, so that a lag takes no noise away. Shape (n,)."""
+    """Return what gives `values` behind these low passes, as far as they are smooth from sample to sample. Shape (n,)."""
     for lag in lags:
-        before = np.concatenate([values[:1], values[:-1]])
-        values = values + lag / dt * (values - before)
+        values = values + lag * np.gradient(values, dt)
     return values

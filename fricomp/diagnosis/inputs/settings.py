@@ -55,8 +55,8 @@ class InputSettings:
     """Fewest windows that show what is usual."""
     white_differences: float = 0.7
     """Variance by fifth over that by fourth differences below which these hold motion."""
-    trimmed_share: float = 0.873
-    """Mean of the squares of normal noise without their largest two per cent, over that of all."""
+    trimmed_normal: float = 0.935
+    """Deviation of normal noise by its squares without their largest two per cent, over its own."""
     few_moving: float = 0.1
     """Part of moving samples below which resting ones are used as well."""
     late_left: float = 0.5

@@ -79,9 +79,10 @@ class PositionNoise(NamedTuple):
     jitter: float
 
     def measure_own(self, step: float) -> float:
-        """White noise of the position itself, beside the rounding to an encoder's `step`; 0 where that may be all."""
+        """Normal noise of the position itself, beside the rounding to an encoder's `step`; 0 where that may be all."""
         rounding = INPUT.rounding * step
-        return float(np.sqrt(self.white**2 - rounding**2)) if self.white > INPUT.own_noise * rounding else 0.0
+        own = float(np.sqrt(self.white**2 - rounding**2)) if self.white > INPUT.own_noise * rounding else 0.0
+        return own / INPUT.trimmed_normal
 
 
 @dataclass(frozen=True)
@@ -259,9 +260,9 @@ def measure_position_noise(position: FloatArray, velocity: FloatArray) -> Positi
     return PositionNoise(float(np.sqrt(found[0])), float(np.sqrt(found[1])))
 
 
-def _compute_trimmed_mean(squares: FloatArray) -> float:
-    """Mean of squares without the largest two per cent, over what that leaves of the squares of normal noise."""
-    return float(np.mean(squares[squares <= np.quantile(squares, 0.98)])) / INPUT.trimmed_share
+def _compute_trimmed_mean(values: FloatArray) -> float:
+    """Mean without the largest two per cent."""
+    return float(np.mean(values[values <= np.quantile(values, 0.98)]))
 
 
 def measure_torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> TorqueNoise:

@@ -31,10 +31,12 @@ class Nulls:
     Attributes:
         rows: For each recording, shape (n_nulls, n_rows) [N·m].
         weights: Their mean, spread and correlation.
+        of_torque: Part of their variation that comes from noise of the torque; the rest is of the position.
     """
 
     rows: tuple[FloatArray, ...]
     weights: Weights
+    of_torque: float = 1.0
 
     @property
     def count(self) -> int:
@@ -45,7 +47,7 @@ class Nulls:
         """The same nulls with noise larger by `factor`."""
         rows = tuple(m + factor * (r - m) for r, m in zip(self.rows, self.weights.mean, strict=True))
         spread = tuple(factor * s for s in self.weights.spread)
-        return Nulls(rows, replace(self.weights, spread=spread))
+        return replace(self, rows=rows, weights=replace(self.weights, spread=spread))
 
     def build_vectors(self) -> list[FloatArray]:
         """Each null as a weighted residual vector."""
@@ -70,10 +72,10 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
         for job, one, torque in zip(map(Job, problem.tracks, repeat(plant), effects), truth, applied, strict=True)
     )
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
-    noises = [_match_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
+    noises, parts = zip(*[_match_noise(chain, index, rows, seed) for index, rows in enumerate(data)], strict=True)
     rows = [chain.simulate_rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
     rows = _blur(rows, JOINT.finest * plant.level, seed)
-    return Nulls(tuple(rows), _build_weights(rows, _compute_presliding(problem, plant, effects)))
+    return Nulls(tuple(rows), _build_weights(rows, _compute_presliding(problem, plant, effects)), float(np.mean(parts)))
 
 
 @dataclass(frozen=True)
@@ -124,8 +126,9 @@ class _Chain:
         return np.stack([self.problem.grids[index].average(one) for one in missing])
 
 
-def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
-    """Find the torque noise with which the rows of nulls vary as those of the data do, over one and several rows.
+def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> tuple[TorqueNoise, float]:
+    """Find the torque noise with which the rows of nulls vary as those of the data do, over one and several rows, and
+    what part of that it is.
 
     Samples alone cannot tell noise from torque that a controller really made of the encoder's steps; rows can, since
     real torque moves the joint.
@@ -144,7 +147,8 @@ def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> Torq
     noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
     again = _compute_variation(chain.simulate_rows(index, noise, JOINT.matching_nulls, seed), slides)
     factor = float(np.clip(np.sqrt(target[0] / again[0]), *JOINT.noise_correction))
-    return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
+    matched = noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
+    return matched, float(np.clip(1.0 - without[0] / target[0], 0.0, 1.0))
 
 
 def _blur(rows: Sequence[FloatArray], size: float, seed: int) -> list[FloatArray]:

@@ -131,6 +131,9 @@ class Observer:
         leak: Rate at which the position of a resting model returns to the recorded one [1/s].
         step: Longest substep in radians of the bristle's own oscillation, where rows would show it.
         width: Width of the windows over which the missing torque is averaged [s], at least.
+        as_recorded: Whether the missing torque is what the recorded one lacks, before the lags through which both act,
+            or what the joint lacks behind them. The noise of a row must not depend on the lags, else the noisier side
+            asks for others: that of a torque does not before them, that of a position behind them.
     """
 
     bandwidth: float = 100.0
@@ -138,6 +141,7 @@ class Observer:
     leak: float = 200.0
     step: float = 0.12
     width: float = JOINT.row_width
+    as_recorded: bool = True
 
     @property
     def row_width(self) -> float:
@@ -159,7 +163,7 @@ class Observation(NamedTuple):
     """One run of the observer. Arrays of shape (n,).
 
     Attributes:
-        missing: Torque that the model lacks, beside the recorded one, where both pass the same lags [N·m].
+        missing: Torque that the model lacks, where the observer says so [N·m].
         position: Position of the model [rad].
         velocity: Velocity of the model [rad/s].
         bristle: Torque of the bristle [N·m].
@@ -228,21 +232,23 @@ def _run_all(
         groups.setdefault(id(job.track.substeps), []).append(index)
     batches = [part[i : i + LANES[-1]] for part in groups.values() for i in range(0, len(part), LANES[-1])]
     result: dict[int, tuple[FloatArray, ...]] = {}
-    runs = run_in_threads(lambda batch: _simulate([jobs[i] for i in batch], settings, seen), batches)
+    runs = run_in_threads(lambda batch: _simulate([jobs[i] for i in batch], observer, settings, seen), batches)
     for batch, observations in zip(batches, runs, strict=True):
         result |= dict(zip(batch, observations, strict=True))
     return [result[index] for index in range(len(jobs))]
 
 
-def _simulate(jobs: Sequence[Job], settings: tuple[float, ...], seen: int) -> list[tuple[FloatArray, ...]]:
+def _simulate(
+    jobs: Sequence[Job], observer: Observer, settings: tuple[float, ...], seen: int
+) -> list[tuple[FloatArray, ...]]:
     """Run simulations of tracks of one length, no more than the kernel has lanes."""
     first, lanes = jobs[0].track, choose_lanes(len(jobs))
     assert first.substeps.size == first.size, "the track is none of a problem: observer_for fixes its substeps"
     out = np.empty((seen, len(lanes), first.size))
-    observer = np.array([first.dt, *settings])
     signals, rows = _stack_signals(jobs, lanes)
-    observe(signals, rows, stack_plants(jobs, lanes), observer, first.substeps, lanes, out)
-    return [(undo_lags(out[0, lane], job.contribution.lags, first.dt), *out[1:, lane]) for lane, job in enumerate(jobs)]
+    observe(signals, rows, stack_plants(jobs, lanes), np.array([first.dt, *settings]), first.substeps, lanes, out)
+    undone = [job.contribution.lags if observer.as_recorded else () for job in jobs]
+    return [(undo_lags(out[0, lane], lags, first.dt), *out[1:, lane]) for lane, lags in enumerate(undone)]
 
 
 def choose_lanes(count: int) -> tuple[int, ...]:

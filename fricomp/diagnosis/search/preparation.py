@@ -304,7 +304,8 @@ def weigh_by_nulls(
     """Improve the velocities once, as in each null, simulate nulls of a plant with effects, weigh rows by them."""
     problem = replace(problem.cut_samples_for(plant).improve_velocity(plant, effects), weights=None)
     nulls = make_nulls(problem, plant, effects, count=count, seed=seed)
-    return replace(problem, weights=nulls.weights), nulls
+    observer = replace(problem.observer, as_recorded=nulls.of_torque > SEARCH.noisy_torque)
+    return replace(problem, weights=nulls.weights, observer=observer), nulls
 
 
 def build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:

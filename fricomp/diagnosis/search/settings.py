@@ -208,6 +208,9 @@ class SearchSettings:
     """Number of partners that are tried for each explanation that is grown."""
     alike_start: float = 0.9
     """Part of the energy of a partner's best start from which its next one is tried as well."""
+    noisy_torque: float = 0.5
+    """Part of the variation of rows without effects that is noise of the torque, from which rows are told as the torque
+    is recorded: there its noise does not depend on a lag."""
     bent: float = 1.2
     """Residual over noise from which effects that screened badly are refitted as well, where little is covered."""
     most_covered: float = 0.85

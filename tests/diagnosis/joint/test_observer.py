@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.diagnosis.inputs.delay import apply_lags, undo_lags
 from fricomp.diagnosis.inputs.rigid import RigidJoint
-from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, Track
+from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, Track, differentiate
 from fricomp.diagnosis.joint.kernel import _compute_fall
 from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques
 from fricomp.diagnosis.joint.problem import Problem, build_problem, improve_track
@@ -54,18 +54,22 @@ def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
     assert np.mean((pushed.missing - base.missing)[moving]) == pytest.approx(0.5, rel=0.05)
 
 
-def test_a_lag_of_the_drive_is_undone_and_takes_no_noise_away() -> None:
+@pytest.mark.parametrize("channel", ["torque", "position"])
+def test_a_lag_changes_no_noise_of_the_side_that_is_told(channel: str) -> None:
     joint, lags = ToyJoint(), (4e-3, 4e-3)
     track, plant = track_of(joint, "fourier", 15.0), true_plant(joint)
     calm = replace(track, torque=undo_lags(apply_lags(track.torque, (0.01,), 1e-3), lags, 1e-3))
-    np.testing.assert_allclose(apply_lags(calm.torque, lags, 1e-3), apply_lags(track.torque, (0.01,), 1e-3), atol=1e-9)
-    noise = 0.05 * np.random.default_rng(3).standard_normal(track.size)
-    problem = build_problem([calm, replace(calm, torque=calm.torque + noise)], plant, Observer())
+    noise = (0.05 if channel == "torque" else 1e-4) * np.random.default_rng(3).standard_normal(track.size)
+    loud = getattr(calm, channel) + noise
+    position = calm.position if channel == "torque" else loud
+    noisy = replace(calm, velocity=differentiate(position, 1e-3), **{channel: loud})
+    observer = Observer(as_recorded=channel == "torque")
+    problem = build_problem([calm, noisy], plant, observer)
     rows = []
     for added in (Contribution(), Contribution(lags=lags)):
-        quiet, noisy = (problem.observe([Job(one, plant, added)])[0] for one in problem.tracks)
+        quiet, heard = (problem.observe([Job(one, plant, added)])[0] for one in problem.tracks)
         moving = np.abs(track.velocity[problem.grids[0].centres]) > 0.1
-        rows.append(problem.grids[0].average(noisy.missing - quiet.missing)[moving])
+        rows.append(problem.grids[0].average(heard.missing - quiet.missing)[moving])
     assert np.std(rows[1]) == pytest.approx(np.std(rows[0]), rel=0.05)
 
 
