@@ -35,7 +35,7 @@ def apply_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatA
 
 
 def undo_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """Return what gives `values` behind these low passes, as far as they are smooth from sample to sample. Shape (n,)."""
+    """Return what gives `values` behind these low passes, if they are smooth from sample to sample. Shape (n,)."""
     for lag in lags:
         values = values + lag * np.gradient(values, dt)
     return values
