@@ -1,15 +1,11 @@
 """What the user believes and hands in: the joint as MJCF, the controller as TOML, the friction as a model file."""
 
-from __future__ import annotations
-
 import json
 import xml.etree.ElementTree as ET
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _ARM, _GRAVITY = 0.25, 9.81  # [m] of the centre of mass, [m/s²]
 _UNITS = {

@@ -1,22 +1,17 @@
 """One concealed case: a joint, a motion, effects at a wanted strength, and the recording of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .effect import Change, Scene, merge
 from .excitation import settle
 from .refit import build_rows, compute_enr, compute_left_after_refit, find_intervals
+from .sensing import Sensors
 from .spec import CaseSpec
 from .strength import Concealed, conceal, conceal_again
 from .trial import Outcome, Trial
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from .sensing import Sensors
 
 
 @dataclass(frozen=True)

@@ -4,22 +4,16 @@ A least-squares fit of the concealed torque on noise-free data, by the catalogue
 Effects whose catalogue form is not linear in its parameters have no such value here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .dynamics import Motion
 from .effect import Truth
 from .refit import compute_weak_form
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from .dynamics import Motion
-    from .strength import Concealed
-    from .trial import Outcome
+from .strength import Concealed
+from .trial import Outcome
 
 _Columns = Mapping[str, "NDArray[np.float64]"]
 

@@ -1,11 +1,9 @@
 """Compilation of the plant's inner loops with numba; the only module of the generator that imports it."""
 
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 from fricomp.errors import MissingExtraError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 

@@ -1,20 +1,12 @@
 """The concealed torque as the recording shows it: from the joint, from the sensors, from what the user believes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .sensing import distort_torque, lag_signal
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from .dynamics import Motion
-    from .sensing import Sensors
+from .dynamics import Motion
+from .sensing import Sensors, distort_torque, lag_signal
 
 
 def _compute_dry(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.float64]:

@@ -6,11 +6,10 @@ so that every sample knows the torque that a rigid joint with the right paramete
     concealed = torque - (J a + G(q) + friction without effects)
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .compiled import Record, compile_cached
 from .drive import advance_drive, compute_command
@@ -23,9 +22,6 @@ from .friction import (
     compute_viscous_torque,
 )
 from .plant import ELEMENTS, STATE
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 SAMPLE_PERIOD = 1e-3  # [s]
 SUBSTEPS = 20

@@ -1,20 +1,15 @@
 """What an effect is to the generator: fields of plant, sensors or belief as a function of one amplitude."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.errors import DiagnosisError
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from .joint import Joint
+from .joint import Joint
 
 Kind = Literal["physics", "measurement", "parameter", "outside", "signal"]
 

@@ -1,17 +1,11 @@
 """Motions that a case is recorded on: position and velocity references at 1 kHz, smooth in acceleration."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .dynamics import SAMPLE_PERIOD
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 Samples = NDArray[np.float64]
 

@@ -1,12 +1,9 @@
 """Faults of the signal itself, which a data check must find before any physics is named."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 Channels = dict[str, "NDArray[np.float64]"]
 

@@ -1,16 +1,11 @@
 """Joints to conceal effects in: harmonic drives and quasi-direct drives of ordinary size, drawn at random."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .plant import CORES, ELEMENTS
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _BITS = (17, 18, 18, 19, 20)
 

@@ -4,16 +4,10 @@ A field's neutral value is the one with which its effect is absent; an effect is
 Units: rad, rad/s, N·m, s, °C; torque on the joint side.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 # Friction cores by the number that the kernel knows them by.
 CORES = {"dahl": 0, "lugre": 1, "gms": 2, "set_valued": 3}

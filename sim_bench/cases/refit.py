@@ -10,23 +10,15 @@ Where an effect acts is asked of every sample, with a window about each: what it
 shorter than the way from one row to the next, and two grids of such rows agree on half of it.
 """
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .dynamics import SAMPLE_PERIOD
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from .dynamics import Motion
-    from .joint import Joint
-    from .sensing import Sensed
+from .dynamics import SAMPLE_PERIOD, Motion
+from .joint import Joint
+from .sensing import Sensed
 
 _WIDTH, _STEP = 42, 21  # [samples] of a window, between windows
 _REST = 2e-3  # [rad/s] below it a joint counts as sticking

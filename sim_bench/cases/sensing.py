@@ -1,20 +1,14 @@
 """The sensor chain: what a drive would write down of a motion, and what it would write without noise."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .compiled import compile_cached
-from .dynamics import SAMPLE_PERIOD
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from .dynamics import Motion
-    from .joint import Joint
+from .dynamics import SAMPLE_PERIOD, Motion
+from .joint import Joint
 
 NOISES = ("white", "coloured", "heavy_tailed", "quantised", "jittered")
 

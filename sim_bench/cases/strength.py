@@ -1,11 +1,10 @@
 """The amplitude at which an effect has the wanted strength, found by bisection."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.errors import DiagnosisError
 
@@ -13,13 +12,7 @@ from .effect import Change, Effect, Form
 from .effects import EFFECTS
 from .refit import compute_enr, compute_left_after_refit
 from .spec import STRENGTHS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from .trial import Outcome, Trial
+from .trial import Outcome, Trial
 
 _TOLERANCE, _ATTEMPTS, _TINY = 0.05, 12, 1e-9
 

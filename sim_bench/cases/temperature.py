@@ -1,13 +1,7 @@
 """Temperature of a joint over a recording."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 AMBIENT = 25.0  # [°C]
 

@@ -1,11 +1,9 @@
 """One scene, run in closed loop under any change, always with the same noise."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.errors import DiagnosisError
 
@@ -17,12 +15,8 @@ from .joint import Joint, draw_joint
 from .plant import build_plant
 from .refit import Rows, build_rows
 from .sensing import Sensed, draw_sensors, sense
+from .spec import CaseSpec
 from .temperature import draw_temperature
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from .spec import CaseSpec
 
 _LOST = 1.5  # [rad] away from the reference a loop counts as unstable
 

@@ -1,31 +1,26 @@
 """The files of a case: what the diagnosis may read, and in another folder what it must not."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import secrets
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.whole_file import whole_file, write_whole
 
 from .belief import format_controller, format_friction, format_simulation
+from .case import Case
 from .catalogue_fit import fit_catalogue
 from .dynamics import SAMPLE_PERIOD
 from .fault import apply_fault
 from .plant import CORES
 from .refit import compute_enr, compute_left_after_refit
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from .case import Case
-    from .spec import CaseSpec
-    from .strength import Concealed
+from .spec import CaseSpec
+from .strength import Concealed
 
 ANSWER_SCHEMA = "fricomp.concealed/1"
 _VERDICTS = {

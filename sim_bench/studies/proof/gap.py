@@ -6,17 +6,15 @@ What a refit of the believed joint leaves there is what the right structure coul
     closed = (before² - after²) / (before² - reachable²)
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from itertools import count, islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.diagnosis import HeldOut
 from fricomp.errors import DiagnosisError
@@ -31,9 +29,6 @@ from ..kit.store import Row, RowStore
 from .making import name_case
 from .plan import PlannedCase, plan_cases
 from .score import Score, score_case
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _STORE = "gap.jsonl"
 

@@ -1,19 +1,14 @@
 """Charts of the study of tracking: errors over time, bars of all figures, maps of robustness."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fricomp.report import Bars, Chart, HeatMap, Line, Panel
 
+from .close_loop import CloseLoopMethod, CloseLoopResult
 from .robustness import RobustnessMap
 from .study import StudyRow
-
-if TYPE_CHECKING:
-    from .close_loop import CloseLoopMethod, CloseLoopResult
 
 _NAMES = {"none": "none", "coulomb_viscous": "tanh-Coulomb-viscous", "stribeck": "Stribeck", "default": "default"}
 _CLOSE_LOOP_NAMES = {"none": "none", "stribeck": "Stribeck, calibrated", "extended": "extended by the diagnosis"}

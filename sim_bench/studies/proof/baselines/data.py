@@ -1,18 +1,14 @@
 """What every baseline starts from: a smoothed trajectory, the columns of the rigid joint, and held-out blocks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording import read_recording
 from fricomp.root_mean_square import compute_rms
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 Samples = NDArray[np.float64]
 
