@@ -19,18 +19,15 @@ def calibrate(
     overwrite: Overwrite = False,
 ) -> None:
     """Calibrate the default stand-in joint once a seed: error, error in standard deviations, coverage."""
-    from fricomp.calibration.sweep.benchmark import study_seeds
     from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.terminal import console, progress
     from fricomp.results import claim_file
-    from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
+    from fricomp.sim_bench.studies.identification.calibrations import study_calibrations
 
     with claim_file(out / "bench-calibrate.json", overwrite=overwrite):
         with progress() as bar:
             task = bar.add_task("starting", total=1.0)
-            study = study_seeds(
-                lambda seed: SimulatedJointAdapter(default_joint(seed=seed)),
-                DEFAULT_LAW,
+            study = study_calibrations(
                 range(first_seed, first_seed + (2 if quick else seeds)),
                 out,
                 lambda text, done: bar.update(task, description=text, completed=done),

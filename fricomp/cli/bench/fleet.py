@@ -24,9 +24,9 @@ def fleet(
     overwrite: Overwrite = False,
 ) -> None:
     """Identify a fleet of joints in one call and one by one; rates, their ratio, and that both agree."""
-    from fricomp.calibration.batch.throughput import measure_throughput
     from fricomp.cli.terminal import console
     from fricomp.results import claim_file
+    from fricomp.sim_bench.studies.identification.throughput import measure_throughput
     from fricomp.whole_file import write_json
 
     with claim_file(out / "throughput.json", overwrite=overwrite):

@@ -24,10 +24,10 @@ def motion(
     static torque. What holds the truth is counted by the covariance and, for the parameters of the bend, by the
     profile likelihood, which is the interval to read there.
     """
-    from fricomp.calibration.motion.benchmark import study_motions
     from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.terminal import console, progress
     from fricomp.results import claim_file
+    from fricomp.sim_bench.studies.identification.motions import study_motions
 
     with claim_file(out / "bench-motion.json", overwrite=overwrite):
         with progress() as bar:

@@ -4,9 +4,9 @@ import platform
 from pathlib import Path
 from typing import Any
 
-from fricomp.calibration.seed_study import SeedStudy
 from fricomp.cli.terminal import Table
 from fricomp.report import Chart, draw_png
+from fricomp.sim_bench.studies.identification.seed_study import SeedStudy
 from fricomp.whole_file import write_json
 
 _WIDTH = 27

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from fricomp.calibration import identify
 from fricomp.calibration.batch.identification import identify_batch
-from fricomp.calibration.batch.throughput import draw_joints
 from fricomp.calibration.motion.cutoffs import choose_settings
 from fricomp.calibration.motion.identify import MotionIdentification, identify_motion
 from fricomp.calibration.motion.joint_samples import sample_joint
@@ -21,6 +20,7 @@ from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording, read_recording, write_recording
 
 from ...cases import CaseSpec
+from ..identification.throughput import draw_joints
 from ..proof.baselines.data import load_data
 from ..proof.baselines.methods import sysid_parameters
 from ..proof.making import prepare

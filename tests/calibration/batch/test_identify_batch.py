@@ -5,11 +5,11 @@ import pytest
 
 from fricomp.calibration import identify
 from fricomp.calibration.batch import identify_batch
-from fricomp.calibration.batch.throughput import draw_joints, draw_parameters, measure_throughput
 from fricomp.calibration.identification import Status
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
+from fricomp.sim_bench.studies.identification.throughput import draw_joints, draw_parameters, measure_throughput
 
 pytest.importorskip("torch")
 

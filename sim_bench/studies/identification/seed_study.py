@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from fricomp.calibration.identification import IdentificationResult
+from fricomp.calibration.identification.report.chart import REACH
 from fricomp.laws import FrictionLaw
 from fricomp.report import Chart, Panel, Points, Rule
-
-from .identification import IdentificationResult
-from .identification.report.chart import REACH
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fricomp.calibration.identification import Status
+from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.identify import identify_motion
+from fricomp.calibration.motion.joint_samples import sample_joint
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.recording import Recording
 
-from ..identification import Status
-from ..seed_study import Score, SeedStudy, score
-from .cutoffs import choose_settings
-from .identify import identify_motion
-from .joint_samples import sample_joint
+from .seed_study import Score, SeedStudy, score
 
 __all__ = ["MotionStudy", "draw_joint", "study_motions"]
 

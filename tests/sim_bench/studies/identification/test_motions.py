@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fricomp.calibration.motion.benchmark import draw_joint, study_motions
+from fricomp.sim_bench.studies.identification.motions import draw_joint, study_motions
 
 
 def test_a_seed_draws_the_same_joint_again() -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fricomp.calibration.seed_study import Score, SeedStudy
+from fricomp.sim_bench.studies.identification.seed_study import Score, SeedStudy
 
 
 def test_a_study_sums_up_its_seeds() -> None:

@@ -3,30 +3,20 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from fricomp.adapters import JointAdapter
-from fricomp.laws import FrictionLaw
+from fricomp.calibration.sweep import CalibrationRequest, RunFolder, SweepContext, SweepSettings
+from fricomp.calibration.sweep.calibrate import calibrate
 
-from ..seed_study import Score, SeedStudy, score
-from .calibrate import calibrate
-from .motion.context import SweepContext
-from .planning.settings import SweepSettings
-from .request import CalibrationRequest
-from .run_folder import RunFolder
+from ...stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
+from .seed_study import Score, SeedStudy, score
 
 
-def study_seeds(
-    make_adapter: Callable[[int], JointAdapter],
-    truth: FrictionLaw,
-    seeds: Iterable[int],
-    folder: Path,
-    report: Callable[[str, float], None] = lambda text, done: None,
+def study_calibrations(
+    seeds: Iterable[int], folder: Path, report: Callable[[str, float], None] = lambda text, done: None
 ) -> SeedStudy:
-    """Calibrate once a seed and compare with the truth.
+    """Calibrate the stand-in's default joint once a seed and compare with its friction.
 
     Args:
-        make_adapter: The joint with this seed of its noise.
-        truth: Its friction.
-        seeds: One calibration each.
+        seeds: Of its noise; one calibration each.
         folder: Holds one run a seed; those of an earlier study are replaced.
         report: Told about progress.
     """
@@ -35,10 +25,10 @@ def study_seeds(
     for index, seed in enumerate(wanted):
         report(f"seed {seed}", index / len(wanted))
         request = CalibrationRequest("sim", settings=SweepSettings(seed=seed))
-        with make_adapter(seed) as adapter:
+        with SimulatedJointAdapter(default_joint(seed=seed)) as adapter:
             run = RunFolder.create(folder / f"seed-{seed}", request, overwrite=True)
             calibration = calibrate(SweepContext(adapter, 0, request.settings), run, request.options)
         result = calibration.estimate.result
-        scores += score(result, truth, seed)
+        scores += score(result, DEFAULT_LAW, seed)
         statuses.append(str(result.status))
     return SeedStudy(tuple(scores), tuple(statuses))

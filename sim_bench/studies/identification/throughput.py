@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricomp.calibration.batch.identification import identify_batch
+from fricomp.calibration.identification import identify
 from fricomp.laws import FloatArray
-
-from ..identification import identify
-from .identification import identify_batch
 
 _SPEEDS = np.geomspace(0.01, 1.0, 40)  # [rad/s] of the plateaus in each direction
 
