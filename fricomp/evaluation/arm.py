@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
@@ -22,7 +21,6 @@ from .settings import EVALUATION, HORIZONS
 from .simulated_arm import SimulatedArm, read_simulated_arm
 
 Source = str | os.PathLike[str]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

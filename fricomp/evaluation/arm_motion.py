@@ -4,17 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
 from .equation import align_torque
-from .motion import MotionPart, RecordedMotion, read_motion
+from .motion import MotionPart, RecordedMotion, Rows, read_motion
 from .settings import EVALUATION
-
-Rows = NDArray[np.bool_]
 
 _GAP = 5.0  # periods; a longer step of time in one joint is a gap of all
 

@@ -9,16 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.laws import Dahl, FloatArray, FrictionLaw, LuGre, SpringTorque
 from fricomp.laws.end_stop import EndStop
 
 from .equation import JointEquation, advance_states, align_torque, resist
-from .motion import MotionPart
+from .motion import Index, MotionPart
 from .settings import EVALUATION
-
-Index = NDArray[np.intp]
 
 
 @dataclass

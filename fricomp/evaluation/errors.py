@@ -4,18 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.root_mean_square import compute_rms
 
-from .motion import MotionPart, RecordedMotion, low_pass
+from .motion import Index, MotionPart, RecordedMotion, Rows, low_pass
 from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 
-Index = NDArray[np.intp]
-Rows = NDArray[np.bool_]
 Spans = Sequence[tuple[float, float]]
 Simulate = Callable[[int, Index, Sequence[int]], FloatArray]
 """Position of the model in a part, from starts, after numbers of samples. Shape (n_lengths, n_starts)."""

@@ -4,18 +4,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fricomp.laws import FloatArray
 from fricomp.model import Motion
 
 from .equation import Along, JointEquation, align_torque
 from .equation_rollout import simulate_equation
 from .errors import Simulate, Spans, TorqueLeft, compare_torque
-from .motion import MotionPart, RecordedMotion
-
-Index = NDArray[np.intp]
+from .motion import Index, MotionPart, RecordedMotion
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
@@ -19,8 +16,6 @@ from .reading import build_evaluated
 from .refit import split_folds
 from .result import Evaluation, TorqueError
 from .settings import EVALUATION
-
-Index = NDArray[np.intp]
 
 
 def evaluate_folds(name: str, models: Sequence[FrictionModel], motion: RecordedMotion) -> Evaluation:

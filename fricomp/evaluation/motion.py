@@ -16,6 +16,7 @@ from fricomp.root_mean_square import compute_rms
 
 from .settings import EVALUATION
 
+Index = NDArray[np.intp]
 Rows = NDArray[np.bool_]
 
 _GAP = 5.0  # periods; a longer step of time is a gap

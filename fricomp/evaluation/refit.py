@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from fricomp.blas import one_blas_thread
@@ -21,10 +20,8 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
 from .equation import JointEquation, align_torque
-from .motion import RecordedMotion, low_pass
+from .motion import RecordedMotion, Rows, low_pass
 from .settings import REFIT
-
-Rows = NDArray[np.bool_]
 
 _BODY = ("inertia", "gravity_cosine", "gravity_sine", "offset")
 _LEVELS = ("coulomb_torque", "static_torque")

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray, OperatingPoint, SpringTorque
@@ -19,13 +18,12 @@ from .arm_motion import ArmMotion
 from .arm_run import ArmRun
 from .equation import follow_law
 from .equation_rollout import count_substeps
+from .motion import Index
 from .mujoco_run import invert_motion, place, roll_out, set_step, spread_torque
 from .settings import EVALUATION
 from .simulated_joint import hold_others
 
 __all__ = ["SimulatedArm", "read_simulated_arm"]
-
-Index = NDArray[np.intp]
 
 _STICKING = ((0.002, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0))
 """MuJoCo's solref and solimp of friction that holds a joint: its defaults let it creep near breakaway."""

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray, SpringTorque
@@ -16,11 +15,9 @@ from fricomp.simulation_file import read_specification
 
 from .equation import Along
 from .evaluated import EvaluatedJoint
-from .motion import MotionPart
+from .motion import Index, MotionPart
 from .mujoco_run import invert_motion, roll_out, set_step, spread_torque
 from .settings import EVALUATION
-
-Index = NDArray[np.intp]
 
 _MOTOR_CONSTANT = 1  # place in the gain parameters of MuJoCo's dcmotor
 

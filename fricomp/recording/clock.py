@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.recording import Recording
 from fricomp.recording.row_numbers import RowNumbers, count_rows
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _FEWEST = 50
 """Rows of a part below which it does not tell its period."""

@@ -18,9 +18,7 @@ from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.sources import Columns, find_column, read_columns
 from fricomp.recording.stamps import spread_stamps
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import drop_twins, find_usable_rows, mend_stamps, tell_bad_rows
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples, drop_twins, find_usable_rows, mend_stamps, tell_bad_rows
 
 _UNNAMED = "recording"
 _SI = {

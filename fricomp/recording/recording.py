@@ -16,13 +16,11 @@ from fricomp.errors import RecordingError
 from fricomp.overview import Overview, OverviewTable, Shown
 from fricomp.recording.finding import raise_errors
 from fricomp.recording.metadata import RecordingMetadata, channel_units, metadata_to_fields
-from fricomp.recording.validity import find_invalid
+from fricomp.recording.validity import Samples, find_invalid
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-
-Samples = NDArray[np.float64]
 
 REQUIRED_CHANNELS = ("time", "position", "torque")
 OPTIONAL_CHANNELS = (

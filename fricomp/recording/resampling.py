@@ -14,8 +14,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.checks.checks import CheckedRecording, check_recording
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, locate_gaps
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _MOST_ROWS = 2e8  # of a result: more does not fit into memory, and comes from a corrupt stamp
 _ATTENUATION = 60.0  # [dB]

@@ -11,9 +11,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _FOLLOW = 0.02
 """Part of a stamp's deviation by which a guess follows it, so that jitter hardly moves it."""

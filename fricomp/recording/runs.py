@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _SHORTEST = 100
 """Rows of a run; shorter stretches between two falls of the clock are rows out of order."""

@@ -7,11 +7,9 @@ from math import log10, pi
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _POUND_FORCE = 4.4482216152605
 _INCH = 0.0254

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
+from fricomp.recording.validity import Samples
 from fricomp.root_mean_square import compute_rms
-
-Samples = NDArray[np.float64]
 
 _BLOCK = 0.02
 """Samples are averaged over so long, or over three of them [s]: encoder steps of an acceleration are then small."""

@@ -6,14 +6,12 @@ Each of them shows something, and none of them shows the friction of both direct
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.recording.checks.joint_fit import fit_joint
 from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 SHOWS_NO_SLIDING = frozenset({"no_sliding", "held_output", "hand_motion", "silent_torque", "stepped"})
 """Codes of findings after which no friction of sliding can be identified, whatever a fit gives."""

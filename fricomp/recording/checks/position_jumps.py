@@ -8,8 +8,7 @@ from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES, measure_
 from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _FEWEST_ROWS = 20  # of a position, below which no row of it is told to be alone
 _WRAP_FACTOR = 10.0  # a wrap is so many times larger than the steps around it

@@ -3,13 +3,10 @@
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.unit import find_position_step, is_rounding
-
-Samples = NDArray[np.float64]
 
 _FEWEST_BITS, _MOST_BITS = 8, 18
 """Of an encoder with 2ⁿ counts a turn: numbers in single precision have finer steps of that kind."""

@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _MOST_LEVELS = 0.5
 """Different values over rows, above which a channel is not quantised as far as it shows."""

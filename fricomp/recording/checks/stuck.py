@@ -7,8 +7,7 @@ from fricomp.recording.checks.quantum import measure_quantum, read_at_rest
 from fricomp.recording.checks.timing_checks import GAP_PERIODS
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _FEWEST_STEPS = 20  # encoder steps of travel below which a channel cannot be told to be stuck
 _STUCK_TIME = 0.25  # [s]

@@ -3,13 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _THOUSAND = 1000.0
 _FACTORS = {

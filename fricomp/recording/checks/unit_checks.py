@@ -3,16 +3,13 @@
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricomp.recording.checks.degrees import DEGREES
 from fricomp.recording.checks.position_unit import reference_slope
 from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
-
+from fricomp.recording.validity import Samples
 
 _TOLERANCE = 0.1
 _FEWEST_COUNTS = 50  # whole numbers, and travel, from which on no chance makes them so

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 from scipy.signal import savgol_coeffs, savgol_filter
 
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
+
 Rows = NDArray[np.bool_]
 
 _WINDOW = 0.02

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from fricomp.recording.recording import Recording
-
-Samples = NDArray[np.float64]
+from fricomp.recording.validity import Samples
 
 _EVEN = 2e-3
 """Part of a period by which steps of time may differ: those of numbered rows differ by the digits of the stamps."""

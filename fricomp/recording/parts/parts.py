@@ -26,10 +26,9 @@ from fricomp.recording.parts.silent import find_silent_rows
 from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwrap_position
 from fricomp.recording.recording import Recording
 from fricomp.recording.resampling import resample
+from fricomp.recording.validity import Samples
 
 Rows = NDArray[np.bool_]
-Samples = NDArray[np.float64]
-
 SHORTEST_PART = 1.0
 """Length below which a part is left out: slow and fast motion and a reversal do not fit into it [s]."""
 _BRIDGED = 0.03

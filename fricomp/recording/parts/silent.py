@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design
 from fricomp.recording.recording import Recording
+from fricomp.recording.validity import Samples
 from fricomp.root_mean_square import compute_rms
 
-Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 _SMOOTH = 0.2

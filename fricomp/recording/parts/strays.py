@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from fricomp.recording.checks.quantum import measure_quantum, snap_period
 from fricomp.recording.recording import Recording
+from fricomp.recording.validity import Samples
 
 from .kicks import find_answered_kicks
 
-Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 _JUMP = 30.0
