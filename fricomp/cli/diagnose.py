@@ -139,7 +139,6 @@ def diagnose(
     with two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
     and where wanted name, simulation, joint and friction.
     """
-    from fricomp.errors import ParameterError
     from fricomp.fleet import find_recordings, is_joint_table
     from fricomp.results import require_folder
     from fricomp.simulation_file import list_joints
@@ -154,10 +153,7 @@ def diagnose(
     fleet = FleetRun(executor, workers, resume, fail_if)
     cut = Cut(start, stop)
     if each or any(map(is_joint_table, recordings)):
-        if any(cut.given.values()):
-            raise ParameterError("--from and --to are of one joint or one arm: cut the recordings by fricomp convert")
-        if overwrite:
-            raise ParameterError("--overwrite is of one joint, and a fleet goes on with --resume: leave it out")
+        _refuse_joint_options(cut, overwrite=overwrite)
         diagnose_fleet(recordings, out, options, given, fleet)
         return
     _refuse_fleet_options(fleet)
@@ -181,6 +177,11 @@ def diagnose(
             chosen = channel or mapping or joint or any(cut.given.values())
             asked = {path: cut.apply(read_joint(path, arm, joint, simulation)) for path in paths} if chosen else {}
             run = run_diagnosis(paths, out, options, given, overwrite=overwrite, asked=asked)
+    _end(run, out, open_report=open_report)
+
+
+def _end(run: DiagnosisRun, out: Path, *, open_report: bool) -> None:
+    """Say what was found, and exit with a status of its own where the data cannot be diagnosed."""
     if hearing().as_json:
         print_record(out)
     else:
@@ -188,6 +189,20 @@ def diagnose(
     open_page(out / "report.html", wanted=open_report)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
+
+
+def _refuse_joint_options(cut: Cut, *, overwrite: bool) -> None:
+    """Nothing, where a fleet is diagnosed with none of a joint's options.
+
+    Raises:
+        ParameterError: One is given.
+    """
+    from fricomp.errors import ParameterError
+
+    if any(cut.given.values()):
+        raise ParameterError("--from and --to are of one joint or one arm: cut the recordings by fricomp convert")
+    if overwrite:
+        raise ParameterError("--overwrite is of one joint, and a fleet goes on with --resume: leave it out")
 
 
 def _refuse_fleet_options(run: FleetRun) -> None:
