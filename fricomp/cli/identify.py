@@ -153,6 +153,11 @@ def identify(
         found = identify_source(source, settings, flag="--")
         claim.clear()
         written = write_identification(found, out)
+    _end(found, written, out, open_report=open_report)
+
+
+def _end(found: Identification, written: Sequence[Path], out: Path, *, open_report: bool) -> None:
+    """Say what was found, and exit with a status of its own where the model is not usable."""
     answer(_as_answer(found, written))
     _print(found, written)
     open_page(out / "report.html", wanted=open_report)

@@ -41,10 +41,11 @@ def tracking(
     """
     from fricomp.cli.bench.outcome import claim_study, end_study
     from fricomp.cli.terminal import progress
-    from fricomp.sim_bench.studies.kit.outcome import StudyOutcome, write_outcome
+    from fricomp.sim_bench.studies.kit.outcome import write_outcome
     from fricomp.sim_bench.studies.tracking import JOINTS
     from fricomp.sim_bench.studies.tracking.outcome import (
         TrackingPart,
+        join_parts,
         study_close_loop,
         study_loops,
         study_robustness,
@@ -73,11 +74,6 @@ def tracking(
                 done["close_loop"] = study_close_loop(
                     bandwidths, out / "close_loop", lambda step: bar.update(task, description=step)
                 )
-        figures = {name: part.figures for name, part in done.items()}
-        summary = (
-            "Tracking on the stand-in joint, with and without friction compensation, and where it wins and loses.",
-        )
-        sections = tuple(part.section for part in done.values())
-        outcome = StudyOutcome("Tracking", summary, figures, sections)
+        outcome = join_parts(done)
         write_outcome(outcome, out, numbered=True)
     end_study(outcome, out)

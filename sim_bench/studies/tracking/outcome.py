@@ -5,17 +5,23 @@ from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from fricomp.control import DriveLimits, check_loop
 from fricomp.control.loop.loop_charts import gain_scan_chart
+from fricomp.control.loop.loop_check import LoopCheck
 from fricomp.report import Chart, Section, Table
 
+from ...stand_in import SensorSettings, StandIn, default_joint, default_limits
+from ..kit.outcome import StudyOutcome
 from .case import TrackingCase, run_standstill
 from .charts import close_loop_chart, robustness_chart, tracking_charts
-from .check import check_tracked
-from .joint import JOINTS
+from .joint import JOINTS, TrackedJoint, loop_of
 from .robustness import compute_robustness
 from .study import run_study
 
 Step = Callable[[], None]
+
+_PERIOD = 1e-3
+"""Of the loops that are checked [s]."""
 
 
 class TrackingPart(NamedTuple):
@@ -28,6 +34,13 @@ class TrackingPart(NamedTuple):
 
     figures: Any
     section: Section
+
+
+def join_parts(parts: Mapping[str, TrackingPart]) -> StudyOutcome:
+    """One outcome of all parts that were studied."""
+    summary = "Tracking on the stand-in joint, with and without friction compensation, and where it wins and loses."
+    figures = {name: part.figures for name, part in parts.items()}
+    return StudyOutcome("Tracking", (summary,), figures, tuple(part.section for part in parts.values()))
 
 
 def study_sines(amplitudes: Sequence[float], bandwidths: Sequence[float], step: Step) -> TrackingPart:
@@ -72,7 +85,7 @@ def study_loops(bandwidths: Sequence[float], step: Step) -> TrackingPart:
     figures, cells, charts = [], [], []
     for joint in JOINTS.values():
         for bandwidth in bandwidths:
-            check = check_tracked(joint, bandwidth)
+            check = _check_tracked(joint, bandwidth)
             travel = run_standstill(TrackingCase(joint, "default", 0.2, bandwidth))
             limits = {name: getattr(check, name) for name in ("margin", "unsettled_from", "unsettled_without")}
             figures.append(
@@ -90,6 +103,15 @@ def study_loops(bandwidths: Sequence[float], step: Step) -> TrackingPart:
     columns = ("direction from", "margin to the limit cycle", "keeps oscillating when thrown off by", "travel at rest")
     title = "Default loop; thrown off with the drive's limits of 5 N·m, 250 N·m/s"
     return TrackingPart(figures, _make_section(title, ("joint", "PD", *columns), cells, charts))
+
+
+def _check_tracked(joint: TrackedJoint, bandwidth: float) -> LoopCheck:
+    """Check the loop of `bandwidth` [Hz] around the stand-in's default drive, with the limits of its safety gate."""
+    sensor = SensorSettings()
+    _, loop = loop_of(bandwidth, sensor, _PERIOD)
+    (limits,) = default_limits(StandIn(default_joint()))
+    drive = DriveLimits(limits.torque, limits.torque_rate)
+    return check_loop(joint.model, loop, period=_PERIOD, velocity_quantum=sensor.velocity_quantum(_PERIOD), drive=drive)
 
 
 def study_close_loop(bandwidths: Sequence[float], folder: Path, progress: Callable[[str], None]) -> TrackingPart:
