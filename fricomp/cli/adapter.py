@@ -5,8 +5,6 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 TAKE_OVER = typer.Option(

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from fricomp.control.loop.loop_check import LoopCheck
     from fricomp.model import FrictionModel
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 5

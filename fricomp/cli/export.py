@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fricomp.export.simulators import MjcfWay
     from fricomp.model import FrictionModel
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 EPILOG = """fricomp export friction.json --to c --out friction.h

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from fricomp.calibration.history import JointHistory
     from fricomp.report import ReportPage
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 EXIT_CHANGED = 1

@@ -14,8 +14,6 @@ from fricomp.cli.option.panel import Overwrite
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.adapters.outcome import AdapterFigures
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 JOINT_COUNTS = (1, 7)

@@ -7,8 +7,6 @@ import typer
 
 from fricomp.cli.option.panel import Overwrite
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 _FULL, _QUICK = 2000, 210

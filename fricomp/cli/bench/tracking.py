@@ -11,8 +11,6 @@ import typer
 
 from fricomp.cli.option.panel import Overwrite
 
-__all__ = ["app"]
-
 app = typer.Typer(add_completion=False)
 
 _QUICK_AXES: dict[str, Any] = {"gain": (0.6, 1.0, 1.3), "scale": (0.7, 1.0, 1.3), "delay": (0.001, 0.008)}

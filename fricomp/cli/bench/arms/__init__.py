@@ -2,8 +2,6 @@
 
 from fricomp.cli.lazy import lazy_app
 
-__all__ = ["app"]
-
 _COMMANDS = {
     "run": "Conceal links and physics in arms, examine them blind, and score the answers.",
     "page": "Write the page of a run without running anything.",

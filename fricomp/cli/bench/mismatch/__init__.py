@@ -2,8 +2,6 @@
 
 from fricomp.cli.lazy import lazy_app
 
-__all__ = ["app"]
-
 _COMMANDS = {
     "run": "Conceal physics in joints, diagnose them blind, and score the answers.",
     "page": "Write the page of a run without running anything.",
