@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, Context
 from ..effects.identity import find_twin
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.race import Entry, Race
+from ..joint.solver import Fit
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
@@ -22,7 +23,7 @@ from .refit import compute_preference, finish, fit_from, polish, rebuild_context
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
-from .simulated_body import hold, move_to
+from .simulated_body import N_BODY, hold, move_to
 from .straightened import fit_straightened
 
 
@@ -291,10 +292,11 @@ def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> lis
     if baseline.rigid is None or any(explanation.coverage >= SEARCH.enough for explanation in free):
         return []
     box = hold(baseline.box, baseline.rigid)
-    start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
+    start = move_to(box.centre[:N_BODY], baseline.fit.theta, baseline.structure.contexts)
     (given,) = fit_from(baseline, [(baseline.structure, start)], box)
     fit = given.fit
-    structure = replace(given.structure, contexts=given.structure.move_contexts(fit.theta))
+    held = replace(fit, jacobian=fit.jacobian[:, N_BODY:])  # nothing follows where the body is as given
+    structure = replace(given.structure, contexts=_scan_again(baseline, given.structure.move_contexts(fit.theta), held))
     screened = screen(baseline.problem, structure, fit.theta, fit.residual, fit.jacobian)
     groups = _rank_groups(screened, SEARCH.from_simulation)
     wanted = [(replace(structure, candidates=(group[0].candidate,)), fit.theta) for group in groups]
@@ -380,10 +382,15 @@ def _renew_starts(baseline: Baseline, seed: Explanation) -> Explanation:
     """
     if seed.left < SEARCH.much_left or seed.coverage < SEARCH.most_covered:
         return seed
-    fit, contexts = seed.fit, seed.structure.contexts
-    starts = narrow_starts(baseline.problem, Structure(contexts), fit.residual, orthonormalise(fit.jacobian))
-    contexts = tuple(replace(context, hints={**context.hints, **starts}) for context in contexts)
+    contexts = _scan_again(baseline, seed.structure.contexts, seed.fit)
     return replace(seed, structure=replace(seed.structure, contexts=contexts))
+
+
+def _scan_again(baseline: Baseline, contexts: Sequence[Context], fit: Fit) -> tuple[Context, ...]:
+    """Scan the starts of effects in what a fit leaves, as far as its columns do not follow."""
+    alone = Structure(tuple(contexts))
+    starts = narrow_starts(baseline.problem, alone, fit.residual, orthonormalise(fit.jacobian))
+    return tuple(replace(context, hints={**context.hints, **starts}) for context in contexts)
 
 
 def _join_names(seed: Explanation, group: Sequence[Column]) -> tuple[str, ...]:
