@@ -1,8 +1,9 @@
 """A joint as its equation of motion: tau = J a + gravity + offset + friction, along a recording and on its own."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from fricomp.laws import (
     FrictionLaw,
     OperatingPoint,
     Parts,
+    Term,
     TracedPoint,
     trace_step,
 )
@@ -22,6 +24,7 @@ from fricomp.model import JointDynamics
 from .motion import MotionPart
 
 _STEP = 1e-6  # of a velocity over the fastest one, by which the slope of a term with a memory is taken
+_Found = TypeVar("_Found")
 _COLUMNS = ("velocity", "position", "acceleration", "load_torque", "temperature", "normal_load")
 
 
@@ -53,6 +56,23 @@ class Resistance(NamedTuple):
     drag: Any
     bristle: Any
     slope: Any
+
+
+class TermMemory:
+    """What the terms of a law last came to along a motion, by what that hangs on: another number in one of them leaves
+    the others as they were. The oldest of more than so many are forgotten."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._found: dict[Hashable, object] = {}
+
+    def recall(self, key: Hashable, compute: Callable[[], _Found]) -> _Found:
+        """The result of `compute`, called only where it is not known for this key; keys are of one kind of result."""
+        found = self._found.pop(key) if key in self._found else compute()
+        self._found[key] = found
+        while len(self._found) > self._most:
+            del self._found[next(iter(self._found))]
+        return found  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
@@ -87,18 +107,37 @@ class JointEquation:
         """Gravity and offset [N·m]."""
         return self.dynamics.compute_gravity(position) + self.dynamics.offset
 
-    def follow(self, part: MotionPart, rest_speed: float) -> Along:
+    def follow(self, part: MotionPart, rest_speed: float, memory: TermMemory | None = None) -> Along:
         """Torque along the recorded motion, and the states of the terms there.
 
         Dry friction of a resting joint takes what the drive gives, up to its level.
+
+        Args:
+            part: The motion.
+            rest_speed: Speed below which the joint rests [rad/s] or [m/s].
+            memory: Of what the terms came to along this very part; None to work all of them out.
         """
-        point = self.compute_point(part.position, part.smooth_velocity, part.acceleration, part.channels)
-        rigid = self.inertia * part.acceleration + self.compute_rigid(part.position)
-        return follow_law(self.law, point, rigid, align_torque(part, self.dynamics.torque_delay), (part.dt, rest_speed))
+        body = self.dynamics
+        gravity = body.compute_gravity(part.position, lambda: part.waves)
+        load = part.channels.get("load_torque")
+        carried = None if load is not None else (body.gravity_cosine, body.gravity_sine, body.load_inertia)
+        load = gravity + body.load_inertia * part.acceleration if load is None else load
+        channels = {**part.channels, "load_torque": load}
+        point = self.compute_point(part.position, part.smooth_velocity, part.acceleration, channels)
+        rigid = self.inertia * part.acceleration + (gravity + body.offset)
+        steps = part.dt, rest_speed
+        torque = recall_torque(part, body.torque_delay, memory)
+        return follow_law(self.law, point, rigid, torque, steps, memory, carried)
 
 
 def follow_law(
-    law: FrictionLaw, point: OperatingPoint, rigid: FloatArray, torque: FloatArray, steps: tuple[float, float]
+    law: FrictionLaw,
+    point: OperatingPoint,
+    rigid: FloatArray,
+    torque: FloatArray,
+    steps: tuple[float, float],
+    memory: TermMemory | None = None,
+    carried: tuple[float, ...] | None = None,
 ) -> Along:
     """Torque of a rigid body with this friction along a motion.
 
@@ -108,21 +147,30 @@ def follow_law(
         rigid: Torque of the rigid body there [N·m].
         torque: That acted at the samples: a resting joint takes it, up to the level of its dry friction [N·m].
         steps: Time between samples [s], and the speed below which the joint rests [rad/s] or [m/s].
+        memory: Of what the terms came to along the same motion; None to work all of them out.
+        carried: Numbers on which the load hangs there; None for a recorded one.
     """
     (dt, rest_speed), v = steps, np.asarray(point.velocity)
     states, found = [], []
     for term in law.terms:
-        if isinstance(term, DynamicTerm):
-            after = _follow_states(term, point, dt)
-            before = np.concatenate([np.zeros((after.shape[0], 1)), after[:, :-1]], axis=1)
+        work_out = partial(_follow_term, term, point, dt)
+        parts, after = work_out() if memory is None else memory.recall((term, carried), work_out)
+        found.append(parts)
+        if after is not None:
             states.append(after)
-            found.append(term.parts_after(point, tuple(before), tuple(after), dt))
-        else:
-            found.append(term.parts(point))
     smooth = rigid + _add(found, "held") + _add(found, "drag") + _add(found, "bristle")
     dry = np.maximum(_add(found, "dry") + np.zeros_like(v), 0.0)
     held = np.clip(torque - smooth, -dry, dry)
     return Along(smooth + np.where(np.abs(v) > rest_speed, dry * np.sign(v), held), tuple(states))
+
+
+def _follow_term(term: Term, point: OperatingPoint, dt: float) -> tuple[Parts, FloatArray | None]:
+    """Torque of a term along a motion, and its states where it has any. Shape (n_states, n)."""
+    if not isinstance(term, DynamicTerm):
+        return term.parts(point), None
+    after = _follow_states(term, point, dt)
+    before = np.concatenate([np.zeros((after.shape[0], 1)), after[:, :-1]], axis=1)
+    return term.parts_after(point, tuple(before), tuple(after), dt), after
 
 
 def resist(
@@ -170,6 +218,12 @@ def align_torque(part: MotionPart, delay: float) -> FloatArray:
     if delay == 0.0:
         return part.torque
     return np.interp(part.time + delay, part.time, part.torque)
+
+
+def recall_torque(part: MotionPart, delay: float, memory: TermMemory | None) -> FloatArray:
+    """The same, worked out only where the memory of this part has it not."""
+    work_out = partial(align_torque, part, delay)
+    return work_out() if memory is None else memory.recall(("torque", delay), work_out)
 
 
 def list_dynamic(law: FrictionLaw) -> tuple[DynamicTerm, ...]:

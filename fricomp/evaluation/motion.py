@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -54,6 +54,11 @@ class MotionPart:
     def dt(self) -> float:
         """Time between samples [s]."""
         return float(self.time[1] - self.time[0])
+
+    @cached_property
+    def waves(self) -> tuple[FloatArray, FloatArray]:
+        """Cosine and sine of the position, which gravity asks for again and again."""
+        return np.cos(self.position), np.sin(self.position)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ numbers apart, both stay as near as they can to where they were.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,7 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
-from .equation import JointEquation, align_torque
+from .equation import JointEquation, TermMemory, align_torque, recall_torque
 from .motion import RecordedMotion, Rows, low_pass
 from .settings import REFIT
 
@@ -136,6 +136,7 @@ class _Problem:
     model: FrictionModel
     motions: tuple[RecordedMotion, ...]
     names: tuple[str, ...]
+    memories: dict[int, TermMemory] = field(default_factory=dict, compare=False)
 
     @property
     def start(self) -> FloatArray:
@@ -248,9 +249,10 @@ class _Problem:
         found = []
         for motion in self.motions:
             for part in motion.parts:
-                torque = align_torque(part, model.dynamics.torque_delay)
+                memory = self.memories.setdefault(id(part), TermMemory(REFIT.kept_terms * len(model.law.terms) + 1))
+                torque = recall_torque(part, model.dynamics.torque_delay, memory)
                 try:
-                    left = torque - equation.follow(part, motion.rest_speed).torque
+                    left = torque - equation.follow(part, motion.rest_speed, memory).torque
                 except ArithmeticError:  # a bristle that is too stiff for plain floats
                     return np.full(1, np.inf)
                 stride = _choose_stride(motion)

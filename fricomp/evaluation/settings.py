@@ -73,6 +73,8 @@ class RefitSettings:
         falls: Stribeck velocities that a fit starts from as well, over the top speed. Two of them draw any usual curve.
         top: Quantile of the speed that counts as the top one.
         settled: Fall of the mean square below which another step is not worth taking.
+        kept_terms: Results of terms along a motion that are kept, for each term of the law: before and after a step of
+            one number. More of them take memory alone.
         difference: Step of a number over its size, for derivatives.
         nothing: Size of a number below which it says nothing about how far it moves: steps are then of the unit.
         least: Size of a number at the end of its domain, over where it started.
@@ -92,6 +94,7 @@ class RefitSettings:
     falls: tuple[float, ...] = (0.05, 0.2)
     top: float = 0.95
     settled: float = 1e-3
+    kept_terms: int = 3
     difference: float = 1e-4
     nothing: float = 1e-9
     least: float = 1e-6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,11 +45,19 @@ class JointDynamics:
         if self.load_inertia > self.inertia:
             raise ParameterError(f"load_inertia {self.load_inertia:g} must not exceed the inertia {self.inertia:g}")
 
-    def compute_gravity(self, position: FloatArray) -> FloatArray:
-        """Torque of gravity at `position` [rad], without the offset [N·m]. Shape (n,)."""
+    def compute_gravity(
+        self, position: FloatArray, recall: Callable[[], tuple[FloatArray, FloatArray]] | None = None
+    ) -> FloatArray:
+        """Torque of gravity, without the offset [N·m]. Shape (n,).
+
+        Args:
+            position: Where [rad]. Shape (n,).
+            recall: Gives cosine and sine there, where they are kept; None to work them out.
+        """
         if self.gravity_cosine == 0.0 and self.gravity_sine == 0.0:
             return np.zeros_like(position)
-        result: FloatArray = self.gravity_cosine * np.cos(position) + self.gravity_sine * np.sin(position)
+        cosine, sine = (np.cos(position), np.sin(position)) if recall is None else recall()
+        result: FloatArray = self.gravity_cosine * cosine + self.gravity_sine * sine
         return result
 
     def compute_load(self, position: FloatArray, acceleration: FloatArray) -> FloatArray:

@@ -19,13 +19,13 @@ def fit_overtones(baseline: Baseline, explanations: Sequence[Explanation], thres
 
     No part of a joint waves as a sine alone. What is left of its wave would be taken for another effect, or hide one.
     """
-    found: list[Explanation] = []
+    wanted, boxes = [], []
     for one in explanations:
         settled = tuple(_add_overtones(baseline, one, candidate, threshold) for candidate in one.settled)
         if settled != one.settled:
-            structure = Structure(rebuild_contexts(baseline, one), settled)
-            found += fit_from(baseline, [(structure, one.fit.theta[:N_BASE])], one.box)
-    return found
+            wanted.append((Structure(rebuild_contexts(baseline, one), settled), one.fit.theta[:N_BASE]))
+            boxes.append(one.box)
+    return fit_from(baseline, wanted, boxes)
 
 
 def _add_overtones(baseline: Baseline, one: Explanation, candidate: Candidate, threshold: float) -> Candidate:
