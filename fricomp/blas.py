@@ -5,8 +5,6 @@ wait for each other. On two cores the training of a network is 3 to 50 times slo
 cores busy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache

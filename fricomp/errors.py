@@ -21,8 +21,6 @@ FricompError
     └── DriveHeld                                the drive is energised by somebody else
 """
 
-from __future__ import annotations
-
 
 class FricompError(Exception):
     """Base of every error of this library."""

@@ -1,7 +1,5 @@
 """The extras: which of them brings a package that is not installed, and refusing early what needs one."""
 
-from __future__ import annotations
-
 import re
 from importlib.metadata import PackageNotFoundError, requires
 from importlib.util import find_spec

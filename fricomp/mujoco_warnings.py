@@ -4,8 +4,6 @@ MuJoCo prints a warning for each simulation that becomes unstable, and adds it t
 command was called. A model that explains a recording badly does become unstable; the error that is printed says so.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

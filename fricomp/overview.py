@@ -1,7 +1,5 @@
 """What a result shows of itself: one line at a prompt, a text with tables, and the same as HTML in a notebook."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass

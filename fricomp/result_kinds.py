@@ -1,7 +1,5 @@
 """What each command writes into a folder: the names of the files, and the record that tells the kind."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

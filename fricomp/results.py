@@ -7,8 +7,6 @@
 - One process writes a folder, or a single file, at a time.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager, suppress

@@ -1,7 +1,5 @@
 """Simulations as robots ship them, read for their mass and kinematics: what is only seen or touched plays no part."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, NamedTuple
 

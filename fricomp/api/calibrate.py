@@ -1,7 +1,5 @@
 """`fricomp.calibrate`: sweep a joint, identify its friction, and write the folder of the run where one is wanted."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory

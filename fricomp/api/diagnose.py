@@ -1,7 +1,5 @@
 """`fricomp.diagnose`: what physics a simulation leaves out, from recordings or their files."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`fricomp.examine_arm`: what the simulation of an arm leaves out, from a log in which all its joints move."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What else acts on a recorded joint than friction: gravity that is fitted, and what makes a model doubtful."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The law that a recorded motion is identified with, where none was asked for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Where many calls run: in processes here, in this process, or on a Dask cluster."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import re

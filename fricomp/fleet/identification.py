@@ -1,7 +1,5 @@
 """A fleet's identifications: rows, table, page, and all tables of a fleet in one call."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

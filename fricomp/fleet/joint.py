@@ -1,7 +1,5 @@
 """Which joints a fleet consists of: files, folders, patterns, or a table with one joint a row."""
 
-from __future__ import annotations
-
 import csv
 import os
 import tomllib

@@ -1,7 +1,5 @@
 """The rows of a fleet on disk, one Parquet file a joint, and its settings beside them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

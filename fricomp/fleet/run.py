@@ -5,8 +5,6 @@ files nor its folders. What it writes comes back as bytes and lands in the joint
 file in `rows/`, last of all: where a row is, the joint is finished.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import time

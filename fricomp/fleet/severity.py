@@ -1,7 +1,5 @@
 """How bad a joint's answer is: what a fleet's list begins with, and what a command may fail on."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any

@@ -1,7 +1,5 @@
 """Waiting for the first state of the joints: a drive answers some time after it was asked, never at once."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Protocol
 

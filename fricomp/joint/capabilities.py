@@ -1,7 +1,5 @@
 """What an adapter declares about its joints and its bus, joint side."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal

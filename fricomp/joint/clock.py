@@ -1,7 +1,5 @@
 """The clock a control loop runs by: real, or virtual in lock step with a simulation."""
 
-from __future__ import annotations
-
 import time
 from typing import Protocol
 

@@ -3,8 +3,6 @@
 They hold lists of floats, not arrays: for the few joints of a robot that is several times faster.
 """
 
-from __future__ import annotations
-
 from math import nan
 
 

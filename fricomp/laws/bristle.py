@@ -1,7 +1,5 @@
 """Friction with a bristle state: Dahl and LuGre, advanced exactly over each step."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Coulomb and viscous friction, and the smoothed forms that avoid the jump at rest."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal

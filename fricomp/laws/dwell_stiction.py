@@ -1,7 +1,5 @@
 """Static friction that grows while the joint rests."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar

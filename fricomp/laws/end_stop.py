@@ -1,7 +1,5 @@
 """A stop or bumper at one end of the range, or at both."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

@@ -3,8 +3,6 @@
 A law holds a term of each name once; an unevenness of several orders is several terms, as a ripple is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

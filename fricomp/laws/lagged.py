@@ -1,7 +1,5 @@
 """Friction that follows the velocity late: tau_f(t) = F(v(t - T)) [hess1990], with the delay as a first-order lag."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar

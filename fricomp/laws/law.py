@@ -1,7 +1,5 @@
 """A friction law: terms that add up."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self

@@ -1,7 +1,5 @@
 """How dry friction follows the normal load on its contact."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Coulomb friction that grows with the transmitted load."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Viscous friction that grows less than in proportion to speed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

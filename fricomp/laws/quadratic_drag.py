@@ -1,7 +1,5 @@
 """Drag that grows with the square of the speed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

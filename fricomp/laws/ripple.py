@@ -3,8 +3,6 @@
 A law holds a term of each name once. A ripple of several orders is several terms: `cogging`, `cogging_2` and so on.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Expressions printed as source text: each part that occurs more than once becomes a variable of its own."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """A spring between the joint and its base."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

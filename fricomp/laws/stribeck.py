@@ -1,7 +1,5 @@
 """Stribeck friction: the curve, and the bidirectional term with its eight parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar

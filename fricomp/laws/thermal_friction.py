@@ -1,7 +1,5 @@
 """Viscous and Coulomb friction that fall as the joint warms; without a temperature they are those at the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Viscous friction that falls as the joint warms; without a temperature it is what it is at the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """The formulas of a term as expressions, for everything that prints them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The curve that fills: fitted anew to the plateaus that there are, beside the page, by least squares."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

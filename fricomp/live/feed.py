@@ -1,7 +1,5 @@
 """The side of the live page that the control loop sees: it hands over, and never waits."""
 
-from __future__ import annotations
-
 import contextlib
 import queue
 import secrets

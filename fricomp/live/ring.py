@@ -1,7 +1,5 @@
 """The newest cycles of a loop in shared memory: a writer that never waits, and readers that may miss some."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Sequence
 from math import nan

@@ -1,7 +1,5 @@
 """The process that serves the page: it reads the ring and the messages, and hands one word back, `stop`."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math

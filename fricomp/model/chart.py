@@ -1,7 +1,5 @@
 """The picture of a friction model: torque over velocity."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What moves with a joint beside its friction: with it a model file predicts torque and motion by itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The model file: JSON with a schema and its version. Nothing in it is ever executed."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """What no joint can be like: the floor below which a model is never usable, whoever fitted it."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """A chart as plain data: panels with axes, and marks in them. Nothing here draws."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

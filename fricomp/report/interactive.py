@@ -1,7 +1,5 @@
 """Draws a chart as an interactive plotly figure, the same marks as the PNG."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from importlib.resources import files
 from itertools import zip_longest

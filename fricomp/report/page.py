@@ -1,7 +1,5 @@
 """A report page: what was found in plain sentences first, then sections of charts, tables and text, in one file."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field

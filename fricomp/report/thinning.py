@@ -1,7 +1,5 @@
 """Fewer points for the screen, without losing a peak."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

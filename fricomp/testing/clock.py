@@ -1,7 +1,5 @@
 """Time that moves only when told to, and takes the drives along."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 

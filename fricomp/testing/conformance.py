@@ -6,8 +6,6 @@ class TestMyAdapter(AdapterConformance):
         return MyRig()
 """
 
-from __future__ import annotations
-
 import pytest
 
 import fricomp.testing.asserts  # noqa: F401

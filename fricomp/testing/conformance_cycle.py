@@ -1,7 +1,5 @@
 """The loop: it never waits, and keeps nothing that grows."""
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 

@@ -1,7 +1,5 @@
 """Commands and states: sign, unit, quantum, saturation, golden frames."""
 
-from __future__ import annotations
-
 import random
 from math import inf, nan
 

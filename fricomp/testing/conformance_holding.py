@@ -1,7 +1,5 @@
 """A drive that somebody else holds: it is asked, refused and left alone, unless it is taken over in so many words."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 

@@ -1,7 +1,5 @@
 """A link that fails: frames lost, delayed, damaged; silence, a pulled cable, a full queue."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

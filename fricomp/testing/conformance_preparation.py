@@ -1,7 +1,5 @@
 """Before anything moves: opening, configuring, the watchdog, the first states."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 import pytest

@@ -1,7 +1,5 @@
 """Sensors that lie: what contradicts itself stops all joints in time; slow motion, standstill and reversals do not."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from math import cos, pi, sin
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Stopping: from any thread, by a fault, by a power cycle; and nothing enables again by itself."""
 
-from __future__ import annotations
-
 import threading
 
 import pytest

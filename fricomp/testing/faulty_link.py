@@ -1,7 +1,5 @@
 """A link between adapter and drives that loses, repeats, delays and damages what it carries, or dies."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol

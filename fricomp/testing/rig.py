@@ -1,7 +1,5 @@
 """What a test bench for an adapter offers: the adapter, its drives, and ways to break things."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

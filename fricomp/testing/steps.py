@@ -1,7 +1,5 @@
 """The steps that tests of adapters are made of: open, start, run some cycles, look at the drives."""
 
-from __future__ import annotations
-
 from fricomp.errors import FricompError
 from fricomp.joint import Capabilities, JointCommand, JointFeedback
 from fricomp.testing.rig import AdapterRig
