@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from .base import BASE_NAMES, align_falls, even_directions, unpack
 from .problem import Problem
 from .race import Entry, Race
 from .settings import JOINT
-from .solver import Box, Fit, descend, minimise, run_together, split_evaluation
+from .solver import Box, Fit, descend, run_together, split_evaluation
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
@@ -22,13 +22,18 @@ _SHARPNESS = BASE_NAMES.index("sharpness")
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """Fit the base from `theta` to the bottom of its valley. Where both directions differ much, fit again from even
     directions and from falls that are alike, and keep the best."""
-    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
-    fitted = partial(
-        minimise, evaluate, box=box, iterations=JOINT.base_steps, refresh=2, tolerance=JOINT.base_tolerance
-    )
-    fit = fitted(theta)
+    fit, *_ = _fit_side_by_side(problem, [theta], box)
     others = [start for start in (even_directions(fit.theta), align_falls(fit.theta)) if start is not None]
-    return min([fit, *map(fitted, others)], key=_get_cost)
+    return min([fit, *_fit_side_by_side(problem, others, box)], key=_get_cost)
+
+
+def _fit_side_by_side(problem: Problem, starts: Sequence[FloatArray], box: Box) -> list[Fit]:
+    """Fit the base from each start to the bottom of its valley."""
+    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
+    descents = [
+        descend(theta, box, iterations=JOINT.base_steps, refresh=2, tolerance=JOINT.base_tolerance) for theta in starts
+    ]
+    return run_together(descents, split_evaluation(evaluate))
 
 
 def is_loud(fit: Fit) -> bool:
