@@ -21,7 +21,7 @@ from .glance import Glance
 from .identification import EVIDENCE, ArmIdentification
 from .matter import LEAST_MATTER
 from .own_delay import find_own_delay
-from .physics import find_reversed_term
+from .physics import find_reversed_term, is_whole
 from .prior import ArmPrior
 from .robust_fit import fit_robustly
 from .rows import ArmRows
@@ -45,9 +45,6 @@ with their models looks like it: on a real arm one joint gains a sixth by it. A 
 
 _MOST_GAIN = 3.5
 """Prior deviations by which a gain of all torques may be off: by more, it is the unit of the torques, or no gain."""
-
-_LEAST_SHARE = 0.5
-"""Factor on a law that has none, from which it is nearer to the law than to nothing."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +92,7 @@ class ArmAnswer:
         matters = self.evidence[joint, term].fall >= LEAST_FALL and self._measure_part(joint, term) >= LEAST_MATTER
         sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
         timed = term != "torque_delay" or joint not in self._unshown
-        return matters and sized and _is_whole(fit, joint, term) and timed
+        return matters and sized and is_whole(fit, joint, term) and timed
 
     def measure_unexplained(self, joint: int) -> float:
         """Held-out error of a joint over means of 0.2 s, as part of its friction."""
@@ -144,11 +141,6 @@ def _has_value(term: str, variant: int) -> bool:
     last = len(TERMS[term].values) - 1
     ends = {"presliding_hysteresis": (0, 1, last - 1, last), "power_law_viscous": (0,)}
     return variant not in ends.get(term, ())
-
-
-def _is_whole(fit: ArmFit, joint: int, term: str) -> bool:
-    """Whether a term whose law has no factor comes with one that is nearer to one than to none."""
-    return not TERMS[term].whole or fit.friction(joint)[TERMS[term].names(0)[0]] > _LEAST_SHARE
 
 
 def _measure_size(fit: ArmFit, joint: int, term: str) -> float:

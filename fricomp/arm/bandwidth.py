@@ -18,6 +18,7 @@ from .arm_recording import ArmRecording
 from .coordinates import ArmModel
 from .equations import ArmEquations, build_equations
 from .fit import ArmFit, fit_arm
+from .friction import GEARS, TERMS
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .robust_fit import fit_robustly
@@ -98,8 +99,8 @@ def raise_cutoff(
     """
     higher = [one for one in _CUTOFFS if rows.cutoff < one <= _MOST_OF_RATE / recording.period]
     fell = np.any(equations.weights.noise < _FELL * noise)
-    gapped = any("backlash" in form.names for form in fit.model.forms)  # its columns are of one cutoff
-    if not higher or not fell or gapped:
+    geared = any(TERMS[name].filled in GEARS for form in fit.model.forms for name in form.names)
+    if not higher or not fell or geared:  # columns of a gear are of one cutoff
         return None
     looks = []
     for cutoff in (rows.cutoff, *higher):

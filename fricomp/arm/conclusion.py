@@ -27,12 +27,12 @@ from .brief import (
 )
 from .elasticity import measure_stiffness
 from .fit import Z95, ArmFit
-from .friction import TERMS
+from .friction import GEARS, TERMS
 from .link_answer import describe_link, measure_link_change
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
-from .search.gap import GapSearch
+from .search.gear import GearSearch
 from .shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
@@ -158,15 +158,21 @@ def _describe_effect(
         if other != term and found.fit.model.forms[joint].find_head(other) == term:
             pairs = zip(TERMS[other].columns, TERMS[other].names(k), strict=True)
             parameters |= {f"{other}_{short}": values[long] for short, long in pairs}
-    position, rotary = found.recording.metadata[joint].position_unit, found.fit.arm.rotary[joint]
+    metadata, rotary = found.recording.metadata[joint], found.fit.arm.rotary[joint]
+    torque, position = metadata.torque_unit, metadata.position_unit
     if values_tried := TERMS[term].list_values(rotary=rotary):
         unit = {"breakaway_distance": position, "order": f"1/{position}"}.get(TERMS[term].label, "1")
         around, at_end = TERMS[term].bound_variant(variant, rotary=rotary), TERMS[term].is_at_end(variant)
         parameters[TERMS[term].label] = Quantity(values_tried[variant], unit, around, at_bound=at_end)
-    if TERMS[term].filled == "gap":  # the factor on it is one
-        width = float(found.equations.gaps[joint, 0])
-        around = GapSearch(found.rows, found.fit).bound_width(found.equations, found.fit, joint)
-        parameters = {"gap": Quantity(width, position, around)}
+    if (filled := TERMS[term].filled) in GEARS:  # the factor on it is one
+        width, stiffness, _ = found.equations.gears[filled][joint].tolist()
+        low, high = GearSearch(found.rows, found.fit, filled).bound(found.equations, found.fit, joint)
+        if filled == "gap":
+            parameters = {"gap": Quantity(width, position, (low, high))}
+        else:  # below its swing a stiffer gear with a larger factor would do the same
+            least, most = (max(end, 1e-9) for end in parameters["share"].ci95)
+            ends = min(low, stiffness / most), max(high, stiffness / least)
+            parameters = {"stiffness": Quantity(stiffness, f"{torque}/{position}", ends)}
     if TERMS[term].filled == "delay":
         parameters = {"delay": _quantity(*answer.own_delays[joint], "s")}
     if TERMS[term].filled == "ripple":
@@ -196,7 +202,7 @@ def _unit_of(name: str, torque: str, position: str) -> str:
         return f"{torque}·s/{position}/K" if ".viscous" in name else f"{torque}/K"
     if name.startswith("torque_delay"):
         return "s"
-    if name.startswith(("backlash", "load_coulomb", "torque_gain_error")):
+    if name.startswith(("backlash", "joint_elasticity", "load_coulomb", "torque_gain_error")):
         return "1"
     return f"1/{torque}" if name.startswith("load_quadratic") else torque
 

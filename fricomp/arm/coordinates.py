@@ -11,7 +11,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from .equations import N_LAST, ArmEquations, EquationSums, count_columns, find_reached
-from .friction import PLAIN, TERMS, JointForm, column_names
+from .friction import GEARS, PLAIN, TERMS, JointForm, column_names
 from .prior import ArmPrior
 from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
@@ -29,10 +29,8 @@ model is weighed from where it is not held."""
 _NUMBERS = {name: k for k, name in enumerate(column_names())}
 """Number of each column of friction by its name."""
 
-_REACHING = frozenset(
-    name for term in TERMS.values() if term.reaches_others for k in range(len(term.values)) for name in term.names(k)
-)
-"""Parameters that the other joints feel, each by one column."""
+_REACHING = {name: term.filled for term in TERMS.values() if term.filled in GEARS for name in term.names(0)}
+"""Parameters that the other joints feel, each by one column, and what that is made of."""
 
 _WHOLE = frozenset(term.name for term in TERMS.values() if term.whole)
 """Terms whose one parameter is a share that should be one."""
@@ -132,9 +130,11 @@ class Coordinates:
         pairs = list(zip(own, (first + _NUMBERS[name] for name in self.model.forms[joint].columns), strict=True))
         for j, (form, place) in enumerate(zip(self.model.forms, self.places, strict=True)):
             if j != joint:
-                reaching = [name for name in form.columns if name in _REACHING]
-                column = find_reached(first, joint, j, count)
-                pairs += [(place.start + form.columns.index(name), column) for name in reaching]
+                pairs += [
+                    (place.start + k, find_reached(first, joint, j, count, _REACHING[name]))
+                    for k, name in enumerate(form.columns)
+                    if name in _REACHING
+                ]
         return pairs
 
     def expand(self, x: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """The equations of an arm as sums over rows: all that any model of it needs to be fitted, however long the recording.
 
-    G_j = Σ_rows w Zᵀ Z,  Z = [links | rotor | friction | gaps of others | lean of gravity | rate of torque | torque]
+    G_j = Σ_rows w Zᵀ Z,  Z = [links | rotor | friction | gears of others | lean of gravity | rate of torque | torque]
 
 of joint j.
 
@@ -9,7 +9,7 @@ A fit is then a matter of small matrices, so that a hundred models cost what one
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,6 +20,7 @@ from fricomp.laws import FloatArray
 from fricomp.root_mean_square import compute_rms
 
 from .friction import (
+    GEARS,
     LEAST_STRIBECK,
     MOST_STRIBECK,
     STRIBECK_EXPONENTS,
@@ -91,8 +92,8 @@ class ArmEquations:
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
         stribeck: Stribeck velocities [rad/s] or [m/s] and exponents in the columns of each joint. Shape (n_joints,
             n_variants, 2).
-        gaps: Width [rad], stiffness [N·m/rad] and damping [N·m·s/rad] of the gear in the columns of each joint's gap; a
-            width of 0 for none. Shape (n_joints, 3).
+        gears: Width of the gap [rad], stiffness [N·m/rad] and damping [N·m·s/rad] of the gear in the columns of each
+            joint's gap, and of its spring; zeros for none. Shapes (n_joints, 3).
     """
 
     columns: FloatArray
@@ -100,7 +101,7 @@ class ArmEquations:
     top_speed: FloatArray
     ripple: FloatArray
     stribeck: FloatArray
-    gaps: FloatArray
+    gears: Mapping[Filled, FloatArray]
 
     @cached_property
     def sums(self) -> FloatArray:
@@ -156,21 +157,23 @@ class ArmEquations:
         waves = [ripple_columns(rows, j, order) * (order > 0.0) for j, order in enumerate(orders.tolist())]
         return replace(self._fill("ripple", waves), ripple=orders)
 
-    def with_gaps(self, gaps: FloatArray, torques: FloatArray) -> ArmEquations:
-        """The same with gears that have these gaps.
+    def with_gears(self, filled: Filled, gears: FloatArray, torques: FloatArray) -> ArmEquations:
+        """The same with these gears.
 
         Args:
-            gaps: Shape as `gaps`.
-            torques: By which the links ask more of each joint with the gap of each joint [N·m]. Shape (n, n_joints,
-                n_joints): of joint i with the gap of joint j.
+            filled: Which of `GEARS` they are.
+            gears: Shape as those of `gears`.
+            torques: By which the links ask more of each joint with the gear of each joint [N·m]. Shape (n, n_joints,
+                n_joints): of joint i with the gear of joint j.
         """
-        joints = range(len(gaps))
-        filled = replace(self._fill("gap", [torques[:, j, j : j + 1] for j in joints]), gaps=gaps)
+        joints = range(len(gears))
+        changed = self._fill(filled, [torques[:, j, j : j + 1] for j in joints])
         for i in joints:
             for j in joints:
                 if i != j:
-                    filled.columns[i, :, find_reached(self._friction, i, j, len(gaps))] = torques[:, i, j]
-        return filled
+                    place = find_reached(self._friction, i, j, len(gears), filled)
+                    changed.columns[i, :, place] = torques[:, i, j]
+        return replace(changed, gears={**self.gears, filled: gears})
 
     def with_stribeck(self, rows: ArmRows, curves: FloatArray) -> ArmEquations:
         """The same with these Stribeck curves, as far as a joint can show them. Shape as `stribeck`."""
@@ -249,10 +252,10 @@ class EquationSums:
 
 def count_columns(friction: int, n_joints: int) -> int:
     """Columns of each joint, of which that many stand before those of friction."""
-    return friction + len(column_names()) + n_joints - 1 + N_LAST
+    return friction + len(column_names()) + len(GEARS) * (n_joints - 1) + N_LAST
 
 
-def find_reached(friction: int, joint: int, other: int, n_joints: int) -> int:
+def find_reached(friction: int, joint: int, other: int, n_joints: int, filled: Filled) -> int:
     """Number of the column by which what is in another joint's gear acts in this one: behind all of its friction.
 
     Args:
@@ -260,8 +263,10 @@ def find_reached(friction: int, joint: int, other: int, n_joints: int) -> int:
         joint: Number of the joint whose column it is.
         other: Number of the other joint.
         n_joints: How many there are.
+        filled: Which of `GEARS` it is.
     """
-    return friction + len(column_names()) + (other - joint) % n_joints - 1
+    first = friction + len(column_names()) + GEARS.index(filled) * (n_joints - 1)
+    return first + (other - joint) % n_joints - 1
 
 
 def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain: bool = False) -> ArmEquations:
@@ -288,7 +293,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     starts = list_stribeck_starts()
     weights, curves = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape))
-    bare = ArmEquations(columns, weights, top, np.zeros(n), curves, np.zeros((n, 3)))
+    bare = ArmEquations(columns, weights, top, np.zeros(n), curves, {one: np.zeros((n, 3)) for one in GEARS})
     bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
     return bare if plain else bare.with_stribeck(rows, np.array([starts * (one, 1.0) for one in top]))
 

@@ -11,9 +11,10 @@
     A cos nq + B sin nq                              torque that waves with the position, n from what is left
     (G s + H v) (T - T_0)                            friction that follows the temperature, where it is recorded
     e τ_l,  -T_d τ'                                  a torque in another unit than those beside it, or later
-    -B M s"                                          a gap in the gear: the load lags the motor by s, B is one
+    -B (M s" + G s)                                  a gear with a gap, or one that gives way: the load lags the motor
+                                                     by s, B is one
 
-with s = sign v, and τ_l the torque that the joint transmits.
+with s = sign v, τ_l the torque that the joint transmits, M the mass matrix and G the gradient of gravity.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from fricomp.laws import FloatArray
 from .rows import ArmRows
 
 __all__ = [
+    "GEARS",
     "LEAST_STRIBECK",
     "LOWEST_RIPPLE",
     "MOST_STRIBECK",
@@ -85,9 +87,12 @@ _LEAST_RATIO = 1e-9
 LOWEST_RIPPLE = 4.0
 """Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
 
-Filled = Literal["motion", "stribeck", "delay", "ripple", "gap", "load"]
+Filled = Literal["motion", "stribeck", "delay", "ripple", "gap", "spring", "load"]
 """What the columns of a term are made of: the motion, a Stribeck velocity that is found, the torque's own rate, a wave
-of an order that is found, a gap whose width is found, or the transmitted torque."""
+of an order that is found, a gap whose width is found, a gear whose stiffness is found, or the transmitted torque."""
+
+GEARS: tuple[Filled, ...] = ("gap", "spring")
+"""Of these, what lets a link move otherwise than its motor, so that the other joints feel it."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +109,6 @@ class JointTerm:
         family: Of forms of the same physics: a second one of a family mends the form of the first and is no effect of
             its own; by default a term stands alone.
         replaces: Of `PLAIN`, what it may stand in place of.
-        reaches_others: Whether the other joints feel it, by the same parameters: links that move otherwise than their
-            motor pull at all of them.
         whole: Whether its law has no factor: its one parameter is the share of it that is there, and should be one.
         on_slides: Factor on its variants on an axis that slides; None where it is of a joint that turns alone.
         counted: Whether its variants are whole numbers, so that nothing lies between two of them or beyond.
@@ -119,7 +122,6 @@ class JointTerm:
     alike: tuple[str, ...] = ()
     family: str = ""
     replaces: tuple[str, ...] = ()
-    reaches_others: bool = False
     whole: bool = False
     on_slides: float | None = 1.0
     counted: bool = False
@@ -174,7 +176,8 @@ TERMS = {
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
         JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
-        JointTerm("backlash", ("share",), filled="gap", reaches_others=True, whole=True, on_slides=None),
+        JointTerm("backlash", ("share",), filled="gap", family="gear", whole=True, on_slides=None),
+        JointTerm("joint_elasticity", ("share",), filled="spring", family="gear", whole=True, on_slides=None),
         JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
         JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),
         JointTerm("torque_gain_error", ("gain_error",), filled="load"),
@@ -227,7 +230,7 @@ class JointForm:
         return next(other for other in self.names if other == name or (family and TERMS[other].family == family))
 
 
-_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "gap", "load")
+_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "gap", "spring", "load")
 
 
 def column_names() -> tuple[str, ...]:

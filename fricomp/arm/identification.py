@@ -22,15 +22,15 @@ from .bandwidth import choose_rows, raise_cutoff
 from .coordinates import ArmModel
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
-from .friction import TERMS, JointForm
+from .friction import GEARS, TERMS, JointForm
 from .glance import Glance
-from .physics import is_physical
+from .physics import is_physical, is_whole
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .robust_fit import fit_robustly
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
-from .search.gap import GapSearch
+from .search.gear import GearSearch
 from .search.ripple import propose_ripples
 from .search.stribeck import hold_curve, is_curve
 from .shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
@@ -210,9 +210,11 @@ def _take_in(
 ) -> tuple[ArmModel, ArmFit, ArmEquations]:
     """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
     fit, equations = fit_robustly(arm, rows, equations, model, prior)
-    gaps = GapSearch(rows, fit)
+    searches = [GearSearch(rows, fit, filled) for filled in GEARS]
     while True:
-        equations = gaps.propose(propose_ripples(rows, equations, fit), fit)
+        equations = propose_ripples(rows, equations, fit)
+        for gears in searches:
+            equations = gears.propose(equations, fit, prior)
         tried = _try_out(rows, equations, fit, prior, trials)
         gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
         trials |= gains  # of the best variant of each
@@ -224,6 +226,8 @@ def _take_in(
         chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
         model = chosen.model
         fit, equations = fit_robustly(arm, rows, equations, model, prior, chosen)
+        if alike[0].endswith(": joint_elasticity"):  # until then links made up for it, and what bends it hangs on them
+            searches[GEARS.index("spring")] = GearSearch(rows, fit, "spring")
 
 
 def _try_out(
@@ -257,9 +261,13 @@ def _try_out(
 
 
 def _is_possible(one: ArmFit, before: ArmFit) -> bool:
-    """Whether a Stribeck curve that was added is one."""
+    """Whether a Stribeck curve that was added is one, and what has a law without a factor is nearer to it than to none.
+
+    A gear of a joint that is rigid comes with some other stiffness and a small part of what that would do.
+    """
     pairs = enumerate(zip(one.model.forms, before.model.forms, strict=True))
-    return all(is_curve(one, j) for j, (form, old) in pairs if form != old and form.names[-1] == "stribeck")
+    added = [(j, form.names[-1]) for j, (form, old) in pairs if form != old]
+    return all(is_curve(one, j) if name == "stribeck" else is_whole(one, j, name) for j, name in added)
 
 
 def _is_torn(one: ArmFit, before: ArmFit, early: EarlyTorques) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .coordinates import ArmModel
 from .fit import ArmFit
+from .friction import TERMS
 
 _SURE = 2.0
 """Standard deviations by which a parameter must be on the wrong side."""
@@ -25,12 +26,16 @@ _POSITIVE: tuple[Mapping[str, float], ...] = (
     {"spring_torque.stiffness": 1.0},
     {"power_law_viscous.torque_at_top_speed": 1.0},
     {"backlash.share": 1.0},
+    {"joint_elasticity.share": 1.0},
 )
 """Weighted sums of a joint's parameters that are not below zero."""
 
 _LATE: Mapping[str, float] = {"torque_delay.delay": 1.0}
 """Of a torque that is later than those of the other joints. One that is earlier has to show it, since links on an
 elastic gear look like it."""
+
+_LEAST_SHARE = 0.5
+"""Factor on a law that has none, from which it is nearer to the law than to nothing."""
 
 _NONE = 1e-6
 """[kg·m²] or [kg] below zero that a rotor without inertia may come out with, and as much of viscous friction."""
@@ -68,6 +73,11 @@ def is_physical(fit: ArmFit, before: ArmFit | None = None, is_early: Callable[[i
         or (weights is _LATE and is_early(j))
         for j, weights in pairs
     )
+
+
+def is_whole(fit: ArmFit, joint: int, term: str) -> bool:
+    """Whether a term whose law has no factor comes with one that is nearer to one than to none."""
+    return not TERMS[term].whole or fit.friction(joint)[TERMS[term].names(0)[0]] > _LEAST_SHARE
 
 
 def find_reversed_term(fit: ArmFit) -> tuple[int, str] | None:

@@ -17,7 +17,7 @@ from fricomp.arm.coordinates import ArmModel, Coordinates
 from fricomp.arm.fit import ArmFit
 from fricomp.arm.friction import PLAIN, JointForm
 from fricomp.arm.physics import is_physical
-from fricomp.arm.search.gap import Gap, GapSearch
+from fricomp.arm.search.gear import Gear, GearSearch
 from fricomp.laws import FloatArray
 from fricomp.sim_bench.cases.arm import ArmSpec, generate_arm, write_arm_case
 
@@ -41,7 +41,7 @@ def test_a_gap_acts_in_all_joints_by_one_parameter(healthy: ArmExamination) -> N
     arm, equations, n = found.fit.arm, found.equations, len(found.rows)
     rng = np.random.default_rng(0)
     torques = rng.normal(size=(n, 3, 3))
-    equations = equations.with_gaps(np.tile([1e-3, 1e4, 10.0], (3, 1)), torques)
+    equations = equations.with_gears("gap", np.tile([1e-3, 1e4, 10.0], (3, 1)), torques)
     model = ArmModel((JointForm((("backlash", 0),)), JointForm(), JointForm((("backlash", 0),))))
     coordinates = Coordinates(arm, model)
     x = coordinates.take_over(found.fit.model, found.fit.x, np.zeros(coordinates.size))
@@ -56,7 +56,7 @@ def test_a_gap_acts_in_all_joints_by_one_parameter(healthy: ArmExamination) -> N
 def test_slopes_of_gaps_are_those_of_the_squares(healthy: ArmExamination) -> None:
     found = healthy.answer.identification
     torques = np.random.default_rng(1).normal(size=(len(found.rows), 3, 3))
-    equations = found.equations.with_gaps(np.tile([1e-3, 1e4, 10.0], (3, 1)), torques)
+    equations = found.equations.with_gears("gap", np.tile([1e-3, 1e4, 10.0], (3, 1)), torques)
     model = ArmModel(tuple(JointForm((("backlash", 0),)) for _ in range(3)))
     coordinates = Coordinates(found.fit.arm, model)
     x = coordinates.take_over(found.fit.model, found.fit.x, np.zeros(coordinates.size))
@@ -117,8 +117,8 @@ def test_a_gap_is_named_with_its_width(tmp_path: Path) -> None:
 def test_a_gear_that_cannot_be_simulated_explains_nothing(healthy: ArmExamination) -> None:
     """At ten times its critical damping the steps of the simulation grow without end, which was an overflow."""
     found = healthy.answer.identification
-    search = GapSearch(found.rows, found.fit)
+    search = GearSearch(found.rows, found.fit, "gap")
     inertia = 0.5
-    stiff, damped = Gap(1e-3, inertia * 240.0**2, 20.0 * inertia * 240.0), Gap(1e-3, inertia * 240.0**2, 20.0)
+    stiff, damped = Gear(1e-3, inertia * 240.0**2, 20.0 * inertia * 240.0), Gear(1e-3, inertia * 240.0**2, 20.0)
     assert np.all(search._follow(0, stiff) == 0.0)
     assert np.any(search._follow(0, damped) != 0.0)

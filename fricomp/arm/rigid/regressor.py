@@ -16,6 +16,9 @@ from fricomp.laws import FloatArray
 from .inertia import N_INERTIA
 from .simulated_arm import LinkMotion, SimulatedArm
 
+_STEP = 1e-4
+"""[rad] or [m] to each side for a derivative: its error is the square of that, and rounding's part 1e-12."""
+
 N_GRAVITY = 4
 """Inertial numbers of a link that gravity acts on: its mass and first moments, which come first."""
 
@@ -86,6 +89,30 @@ def compute_mass_matrices(arm: SimulatedArm, position: FloatArray, inertia: Floa
         one = still.copy()
         one[:, j] = 1.0
         columns.append(compute_regressor(arm, position, still, one) @ weights - at_rest)
+    return np.stack(columns, axis=2)
+
+
+def compute_gradients(
+    arm: SimulatedArm, position: FloatArray, velocity: FloatArray, acceleration: FloatArray, inertia: FloatArray
+) -> FloatArray:
+    """How the torques of all joints change as one of them stands elsewhere and moves the same way [N·m/rad].
+
+    Args:
+        arm: Kinematics.
+        position: [rad] or [m]. Shape (n, n_joints), like the next two.
+        velocity: [rad/s] or [m/s].
+        acceleration: [rad/s²] or [m/s²].
+        inertia: Ten numbers of each link. Shape (n_links, 10).
+
+    Returns:
+        Of joint i by the position of joint j. Shape (n, n_joints, n_joints).
+    """
+    columns, weights = [], inertia.ravel()
+    for step in _STEP * np.eye(position.shape[1]):
+        there, back = (
+            compute_regressor(arm, position + way * step, velocity, acceleration) @ weights for way in (1.0, -1.0)
+        )
+        columns.append((there - back) / (2.0 * _STEP))
     return np.stack(columns, axis=2)
 
 

@@ -75,11 +75,18 @@ class JointJudge:
         self._base = vectors[:, strength > _RANK * strength[0]]
         self._left = self._take_off(left * self._root)
 
-    def measure_gains(self, columns: FloatArray) -> FloatArray:
-        """Half of what the weighted squares fall by with each column times a positive factor. Shape (n_columns,)."""
+    def measure_gains(self, columns: FloatArray, spread: float = np.inf) -> FloatArray:
+        """Half of what the weighted squares fall by with each column times a positive factor. Shape (n_columns,).
+
+        Args:
+            columns: Shape (n, n_columns).
+            spread: Standard deviation of the factor about one; any is as good as another by default.
+        """
         seen = self._take_off(columns * self._root[:, None])
         along, size = np.maximum(seen.T @ self._left, 0.0), np.einsum("ij,ij->j", seen, seen)
-        return np.asarray(0.5 * along**2 / np.maximum(size, 1e-300))
+        sure = spread**-2.0
+        factor = (along + sure) / np.maximum(size + sure, 1e-300)
+        return np.asarray(factor * along - 0.5 * factor**2 * size - 0.5 * sure * (factor - 1.0) ** 2)
 
     def estimate(self, columns: FloatArray) -> Estimate:
         """Factors on columns together, as the weighted squares have them. Shape (n, n_columns)."""

@@ -1,0 +1,320 @@
+"""Gears of an arm that have a gap, or give way: how wide or how stiff one is, is read off what a fit leaves.
+
+    M_jj s" = τ_l - G_jj s - K dz(s, gap) - c s',   torques of all joints change by -M_ij s" - G_ij s
+
+where s is what the motor leads the link by, τ_l what the rigid gear would transmit, and G its gradient by the position
+[nordin2002, spong1987]: the simulation of a single joint's gear, on what the arm's dynamics ask for. The position is
+the motor's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, compute_twist
+from fricomp.laws import FloatArray
+
+from ..equations import ArmEquations
+from ..fit import ArmFit
+from ..friction import TERMS, Filled
+from ..glance import Glance
+from ..prior import ArmPrior
+from ..rigid.regressor import compute_gradients, compute_mass_matrices
+from ..rows import ArmRows
+from .judge import JointJudge
+
+__all__ = ["GearSearch"]
+
+_WIDTHS = tuple(3e-4 * 2.0 ** (0.5 * k) for k in range(13))
+"""[rad] or [m] that a search starts from, up to 19 mrad; between two of them the time to cross differs by an eighth."""
+
+_RATES = (60.0, 120.0, 240.0, 480.0)
+"""[1/s] at which the mean load swings on teeth that touch: from gears that are hardly stiffer than a loop that holds
+an arm to those whose swings no row shows."""
+
+_YIELDING = tuple(8.0 * 2.0 ** (0.5 * k) for k in range(11))
+"""[1/s] of the same on a gear without a gap that gives way, up to 256: a stiffer one changes next to nothing. Between
+two of them, what gravity bends differs by a third."""
+
+_DAMPING = 0.2
+"""Damping ratio of that swing to start from."""
+
+_ROUNDS, _FEWER = 5, 2
+"""Of refining a gear, each with half of the steps of the one before; and those of one that the fit has already."""
+
+_FIRST_STEPS = {"width": 2.0**0.5, "stiffness": 2.0, "damping": 2.0}
+"""Ratios by which the width, the stiffness and the damping are first moved."""
+
+_EVIDENCE = 6.0
+"""By how much a gap must be more probable than teeth that always touch, and a gear that gives way than one that does
+not: half a difference of weighted squares."""
+
+_TURNS = 2
+"""Least changes of sign of the transmitted torque: a gear that is always pulled one way does not show its gap."""
+
+_HALF_CHI_SQUARE, _STEP, _WIDEST = 1.92, 1.02, 2.0
+"""Half of the 95 % point of χ² of one number, the step in which its ends are looked for, and how far they are."""
+
+_TEETH_POWER = 0.5
+"""Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
+
+_FARTHEST = 1.0
+"""[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate
+of a recording, and such a gear explains nothing."""
+
+_UNKNOWN = 1.0
+"""[s] from the start of a part in which nothing is said: on which side of a gap a load began, and how it swung, is gone
+by then."""
+
+_MASS_RATE = 8
+"""Rows for each mass matrix: it changes as slowly as the joints turn."""
+
+
+class Gear(NamedTuple):
+    """A gear.
+
+    Attributes:
+        width: Whole free travel [rad].
+        stiffness: Of teeth that touch [N·m/rad].
+        damping: Of the same [N·m·s/rad].
+    """
+
+    width: float
+    stiffness: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What is looked for.
+
+    Attributes:
+        term: Its name.
+        starts: Widths [rad], and rates at which the mean load swings [1/s], that a search starts from.
+        refined: Numbers of a gear that are moved.
+        told: The one that is told.
+        turns: Least changes of sign of the transmitted torque.
+        spread: Standard deviation of the factor on what a gear changes about one, which the law has; any may stand in
+            for a width that lies between two. Below its swing a gear gives way by its load over its stiffness, so that
+            any factor would do for that; and what it changes is computed to some hundredths.
+    """
+
+    term: str
+    starts: tuple[tuple[float, float], ...]
+    refined: tuple[str, ...]
+    told: str
+    turns: int
+    spread: float
+
+
+_KINDS: dict[Filled, _Kind] = {
+    "gap": _Kind("backlash", tuple(product((0.0, *_WIDTHS), _RATES)), Gear._fields, "width", _TURNS, np.inf),
+    "spring": _Kind(
+        "joint_elasticity", tuple((0.0, rate) for rate in _YIELDING), ("stiffness", "damping"), "stiffness", 0, 0.03
+    ),
+}
+
+
+class _Tried(NamedTuple):
+    """A gear, and how much it lowers half the weighted squares by its best factor."""
+
+    gear: Gear
+    gain: float
+
+
+class GearSearch:
+    """Looks for gears of one kind in what fits leave of the torques.
+
+    What gears of all kinds would change is computed once, for it hangs on the motion and the links alone.
+
+    Args:
+        rows: Motion.
+        fit: Of links that are near enough.
+        filled: Whether gears with a gap are looked for, or those that give way.
+    """
+
+    def __init__(self, rows: ArmRows, fit: ArmFit, filled: Filled) -> None:
+        self._rows, self._filled, self._kind = rows, filled, _KINDS[filled]
+        sparse = np.unique(np.append(np.arange(0, len(rows), _MASS_RATE), len(rows) - 1))
+        motion = rows.compare(lambda *motion: np.stack(motion, axis=1))
+        position, velocity, acceleration = np.moveaxis(motion[sparse], 1, 0)
+        mass = compute_mass_matrices(fit.arm, position, fit.inertia)
+        gradient = compute_gradients(fit.arm, position, velocity, acceleration, fit.inertia)
+        every = np.arange(len(rows))
+        self._mass, self._gradient = (_interpolate(every, sparse, one) for one in (mass, gradient))
+        self._load, self._acceleration = fit.compute_load(rows), motion[:, 2]
+        turns = np.sum(np.diff(np.sign(self._load), axis=0) != 0, axis=0)
+        self._joints = [j for j, rotary in enumerate(fit.arm.rotary) if rotary and turns[j] >= self._kind.turns]
+        self._starts: dict[int, tuple[list[Gear], FloatArray]] = {}
+
+    def propose(self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmEquations:
+        """The equations with a gear in the columns of each joint: that which explains most of what is left of it.
+
+        That of the joint in which one explains most is refined, and so are those that the fit has already.
+
+        Args:
+            equations: Of these rows.
+            fit: Of these equations.
+            prior: How far the simulation is trusted.
+        """
+        left, name = fit.residuals(equations), self._kind.term
+        judges = {j: JointJudge(equations, fit, j, left[:, j], term=name) for j in self._joints}
+        has = {j for j in self._joints if name in fit.model.forms[j].names}
+        found = {j: one for j in self._joints if j not in has and (one := self._choose(judges[j], j)).gain > 0.0}
+        known = {j: _Tried(Gear(*equations.gears[self._filled][j].tolist()), 1.0) for j in has}
+        if self._kind.spread < np.inf:
+            return self._fill(
+                equations, self._settle(equations, fit, prior, found | known, _ROUNDS if found else _FEWER)
+            )
+        first = max(found, key=lambda j: found[j].gain, default=None)
+        if first is not None:
+            found[first] = self._refine(judges[first], first, found[first].gear, _ROUNDS)
+        for j, one in known.items():
+            found[j] = self._refine(judges[j], j, one.gear, _FEWER)
+        return self._fill(equations, found)
+
+    def _fill(self, equations: ArmEquations, found: Mapping[int, _Tried]) -> ArmEquations:
+        n = len(equations.columns)
+        gears, torques = np.zeros((n, 3)), np.zeros((len(self._rows), n, n))
+        for j, one in found.items():
+            if one.gain > 0.0:
+                gears[j] = one.gear
+                torques[:, :, j] = self._spread(j, one.gear)
+        return equations.with_gears(self._filled, gears, torques)
+
+    def _settle(
+        self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, found: Mapping[int, _Tried], rounds: int
+    ) -> dict[int, _Tried]:
+        """Gears as all joints together ask for them, each by itself, and how probable each makes the recording.
+
+        A joint feels the gear of another one too: by its own torque alone, that of a neighbour explains as much.
+        """
+        best = self._weigh(equations, fit, prior, {j: one.gear for j, one in found.items()})
+        for k in range(_ROUNDS - rounds, _ROUNDS) if best else ():
+            for name, factor in _list_factors(self._kind.refined, 0.5**k):
+                moved = {j: one.gear._replace(**{name: factor * getattr(one.gear, name)}) for j, one in best.items()}
+                tried = self._weigh(equations, fit, prior, moved)
+                best = {j: max(one, tried[j], key=lambda each: each.gain) for j, one in best.items()}
+        return best
+
+    def _weigh(
+        self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, gears: Mapping[int, Gear]
+    ) -> dict[int, _Tried]:
+        """How much more probable than none each of these gears makes the recording, with a factor near one."""
+        tried = {j: _Tried(gear, 1.0) for j, gear in gears.items()}
+        if not tried:
+            return tried
+        glance, name = Glance(self._fill(equations, tried), fit, prior), self._kind.term
+        for j, gear in gears.items():
+            rigid = fit.model.forms[j].without_term(name)
+            without, model = (
+                replace(fit.model, forms=(*fit.model.forms[:j], form, *fit.model.forms[j + 1 :]))
+                for form in (rigid, rigid.with_term(name, 0))
+            )
+            away = (glance.solve(model).friction(j)[TERMS[name].names(0)[0]] - 1.0) / self._kind.spread
+            gain = glance.measure_gain(model) - glance.measure_gain(without)
+            tried[j] = _Tried(gear, gain - 0.5 * float(away) ** 2)
+        return tried
+
+    def _choose(self, judge: JointJudge, joint: int) -> _Tried:
+        """The gear that explains most; of no gain where none does better than one that is said to be none of the kind:
+        teeth that always touch are no gap."""
+        gears, own = self._build_starts(joint)
+        gains = judge.measure_gains(own, self._kind.spread).tolist()
+        tried = [_Tried(*pair) for pair in zip(gears, gains, strict=True)]
+        best = max(tried, key=lambda one: one.gain)
+        touching = (one.gain for one in tried if one.gear.width == 0.0 and self._filled == "gap")
+        return best if best.gain > max(touching, default=0.0) + _EVIDENCE else best._replace(gain=0.0)
+
+    def _refine(self, judge: JointJudge, joint: int, gear: Gear, rounds: int) -> _Tried:
+        """Move one number at a time for as long as that explains more."""
+        best = self._measure(judge, joint, gear)
+        for k in range(_ROUNDS - rounds, _ROUNDS):
+            for name, factor in _list_factors(self._kind.refined, 0.5**k):
+                moved = best.gear._replace(**{name: factor * getattr(best.gear, name)})
+                best = max(best, self._measure(judge, joint, moved), key=lambda each: each.gain)
+        return best
+
+    def _measure(self, judge: JointJudge, joint: int, gear: Gear) -> _Tried:
+        own = self._spread(joint, gear)[:, joint]
+        return _Tried(gear, float(judge.measure_gains(own[:, None], self._kind.spread)[0]))
+
+    def bound(self, equations: ArmEquations, fit: ArmFit, joint: int) -> tuple[float, float]:
+        """Width or stiffness on both sides of that of a gear, at which it explains less by what its interval allows.
+
+        Args:
+            equations: Of these rows.
+            fit: Of these equations.
+            joint: Number of the joint.
+        """
+        judge = JointJudge(equations, fit, joint, fit.residuals(equations)[:, joint], term=self._kind.term)
+        best = self._measure(judge, joint, Gear(*equations.gears[self._filled][joint].tolist()))
+        return self._find_end(judge, joint, best, 1.0 / _STEP), self._find_end(judge, joint, best, _STEP)
+
+    def _find_end(self, judge: JointJudge, joint: int, best: _Tried, ratio: float) -> float:
+        """The first that explains less than the interval allows, on steps of a ratio, with other numbers that suit."""
+        told, least, now = self._kind.told, best.gain - _HALF_CHI_SQUARE, best
+        value = start = float(getattr(best.gear, told))
+        others = [name for name in ("stiffness", "damping") if name != told]
+        while now.gain >= least and 1.0 / _WIDEST < value / start < _WIDEST:
+            value *= ratio
+            moved = now.gear._replace(**{told: value})
+            pairs = _list_factors(others, _TEETH_POWER)
+            around = [moved, *(moved._replace(**{name: by * getattr(moved, name)}) for name, by in pairs)]
+            now = max((self._measure(judge, joint, one) for one in around), key=lambda one: one.gain)
+        return value
+
+    def _build_starts(self, joint: int) -> tuple[list[Gear], FloatArray]:
+        """Gears to start from, and what each changes in its joint [N·m]. Shape (n, n_gears)."""
+        if joint not in self._starts:
+            inertia = float(np.median(self._mass[:, joint, joint]))
+            gears = [_build_gear(inertia, *start, _DAMPING) for start in self._kind.starts]
+            self._starts[joint] = gears, np.stack([self._spread(joint, one)[:, joint] for one in gears], axis=1)
+        return self._starts[joint]
+
+    def _spread(self, joint: int, gear: Gear) -> FloatArray:
+        """Torques of all joints by how the link of one moves otherwise than its motor [N·m]. Shape (n, n_joints)."""
+        twist, curvature = self._follow(joint, gear).T
+        moved = self._mass[:, :, joint] * curvature[:, None] + self._gradient[:, :, joint] * twist[:, None]
+        return np.asarray(-moved)
+
+    def _follow(self, joint: int, gear: Gear) -> FloatArray:
+        """What the motor leads the link by at the rows [rad], and its second derivative [rad/s²]. Shape (n, 2)."""
+        inertia, rows = self._mass[:, joint, joint], self._rows
+        rest, gradient = self._load[:, joint] - inertia * self._acceleration[:, joint], self._gradient[:, joint, joint]
+        coupling = Coupling(float(np.median(inertia)), gear.stiffness, gear.damping, 0.5 * gear.width)
+        twists = []
+        for k, ((position, _, __), (time, period)) in enumerate(zip(rows.motion, rows.clocks, strict=True)):
+            here = rows.part == k
+            load = CarriedLoad(*(np.interp(time, rows.time[here], one[here]) for one in (inertia, rest, gradient)))
+            twist = compute_twist(np.ascontiguousarray(position[:, joint]), period, load, coupling)
+            if not np.all(np.abs(twist) < _FARTHEST):  # nor where it is no number
+                return np.zeros((len(rows), 2))
+            curvature = np.gradient(np.gradient(twist, period), period)
+            curvature[time < time[0] + _UNKNOWN] = 0.0
+            twists.append(np.stack([twist, curvature], axis=1))
+        return rows.compare_samples(twists)
+
+
+def _build_gear(inertia: float, width: float, rate: float, ratio: float) -> Gear:
+    """Teeth on which a load of this inertia [kg·m²] swings at a rate [1/s], damped by a ratio."""
+    return Gear(width, inertia * rate**2, 2.0 * ratio * inertia * rate)
+
+
+def _list_factors(names: Sequence[str], power: float) -> Iterator[tuple[str, float]]:
+    """Numbers of a gear, each with the factors by which it is moved: the first steps to a power."""
+    for name in names:
+        yield from ((name, _FIRST_STEPS[name] ** way) for way in (power, -power))
+
+
+def _interpolate(at: NDArray[np.intp], known: NDArray[np.intp], values: FloatArray) -> FloatArray:
+    """Linear between rows that are known. Shapes (n,), (m,) and (m, n_joints, n_joints)."""
+    after = np.clip(np.searchsorted(known, at), 1, len(known) - 1)
+    part = ((at - known[after - 1]) / (known[after] - known[after - 1]))[:, None, None]
+    return np.asarray((1.0 - part) * values[after - 1] + part * values[after])

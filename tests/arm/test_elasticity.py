@@ -1,0 +1,52 @@
+"""Gears of an arm that give way, beside the motors' positions: their stiffness is told, and of links nothing false."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.arm import ArmRecord, examine_arm
+from fricomp.arm.examination import match_recordings
+from fricomp.arm.rigid.regressor import compute_gradients, compute_regressor
+
+from .moving_arm import bend_gear, record_arm, write_arm
+from .test_examination import names_of
+
+_ELBOW = 1
+_GEAR = {"shoulder": [], "elbow": ["joint_elasticity"], "wrist": []}
+
+
+def _examine(folder: Path, stiffness: float, side: str) -> ArmRecord:
+    simulation = write_arm(folder)
+    bend = bend_gear(_ELBOW, stiffness=stiffness, side=side)
+    return examine_arm(record_arm(simulation, duration=30.0, bend=bend), simulation).record
+
+
+@pytest.mark.parametrize("stiffness", [120.0, 400.0])
+def test_the_stiffness_of_a_gear_behind_the_encoder_is_told(tmp_path: Path, stiffness: float) -> None:
+    """Links were off by 2 % and more in its place, without a word about the gear."""
+    record = _examine(tmp_path, stiffness, "motor")
+    assert names_of(record) == _GEAR
+    (effect,) = record.joints[_ELBOW].effects
+    assert effect.parameters["stiffness"].value == pytest.approx(stiffness, rel=0.1)
+    assert effect.parameters["stiffness"].unit == "N·m/rad"
+    assert not any(link.state == "off" for link in record.links)
+
+
+@pytest.mark.parametrize(("stiffness", "side"), [(400.0, "link"), (1e5, "motor")])
+def test_no_gear_is_told_where_none_shows(tmp_path: Path, stiffness: float, side: str) -> None:
+    """The encoder is on the side of the link, or the gear bends by less than the encoder's step."""
+    named = names_of(_examine(tmp_path, stiffness, side))
+    assert not any("joint_elasticity" in names for names in named.values())
+
+
+def test_gradients_are_those_of_the_torque(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    arm, _ = match_recordings(record_arm(simulation, duration=5.0, rate=100.0), simulation)
+    q, v, a = np.random.default_rng(0).normal(size=(3, 4, 3))
+    gradient = compute_gradients(arm, q, v, a, arm.inertia)
+    step = 1e-5 * np.eye(3)[_ELBOW]
+    there, back = (compute_regressor(arm, q + way * step, v, a) @ arm.inertia.ravel() for way in (1.0, -1.0))
+    assert gradient[:, :, _ELBOW] == pytest.approx((there - back) / 2e-5, abs=1e-5)
