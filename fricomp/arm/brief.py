@@ -12,6 +12,7 @@ from fricomp.overview import AT_BOUND
 
 from .matter import LEAST_MATTER
 from .record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
+from .stated import say_stated
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
@@ -64,6 +65,7 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
+    lines += say_stated(record.joints)
     unknown = [link.name for link in record.links if link.state == "not_determined"]
     lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
     return tuple(lines)

@@ -34,6 +34,7 @@ from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
 from .search.gear import GearSearch
 from .shared_delay import SharedDelay
+from .stated import list_stated, say_stated
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 
@@ -143,6 +144,7 @@ def _describe_joint(
         stiffness=measure_stiffness(found, joint),
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
         link_change=measure_link_change(found, joint),
+        stated=list_stated(fit.arm, joint),
     )
 
 
@@ -227,6 +229,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         *say_shared_causes(record.joints),
         *(_say_joint(joint) for joint in record.joints),
         *(say_link(link) for link in record.links if link.state == "off"),
+        *say_stated(record.joints),
         *_say_undetermined(record),
         *(
             f"The gear of {joint.name} gives way by {show_quantity(joint.stiffness)}, as its two encoders show."

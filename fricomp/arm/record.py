@@ -111,6 +111,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
             what is said of them; None where the recording speaks against one.
         link_change: What the links as found change of the joint's torque beside those of the simulation, as part of
             that torque; both RMS over the recording.
+        stated: What the simulation states of "coulomb", "viscous" and "rotor_inertia", where that is not zero.
     """
 
     name: str
@@ -126,6 +127,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     stiffness: Quantity | None = None
     possible_spring: Quantity | None = None
     link_change: float = 0.0
+    stated: dict[str, float] = {}
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):

@@ -67,6 +67,8 @@ class SimulatedArm:
         inertia: Mass [kg], first moments [kg·m] and moments of inertia [kg·m²] of each link about its own origin: m,
             h_x, h_y, h_z, I_xx, I_xy, I_xz, I_yy, I_yz, I_zz. Shape (n_links, 10).
         armature: Inertia of each joint's rotor behind its gear [kg·m²] or [kg]. Shape (n_joints,).
+        friction: Coulomb [N·m] or [N] and viscous friction [N·m·s/rad] or [N·s/m] that the file states of each joint.
+            Shape (n_joints, 2).
         rotary: Whether each joint turns.
         held: Names of the joints that nothing was recorded of: they stay where the simulation has them.
         followers: Joints that move with a recorded one.
@@ -78,6 +80,7 @@ class SimulatedArm:
     links: tuple[str, ...]
     inertia: FloatArray
     armature: FloatArray
+    friction: FloatArray
     rotary: tuple[bool, ...]
     held: tuple[str, ...]
     followers: tuple[Follower, ...]
@@ -219,6 +222,7 @@ def read_arm(
         joints, [name for i, name in enumerate(every) if int(model.jnt_type[i]) in kinds], names or {}
     )
     ids = [every.index(matched[name]) for name in joints]
+    dofs = model.jnt_dofadr[ids]
     _refuse_floating(model, ids, path)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT) | int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
     followers = _find_followers(model, ids)
@@ -230,7 +234,8 @@ def read_arm(
         joints=tuple(matched[name] for name in joints),
         links=tuple(model.body(body).name or f"body {body}" for body in moved),
         inertia=np.array([_weigh(model, pose, body, carried[body]) for body in moved]),
-        armature=np.array([float(model.dof_armature[model.jnt_dofadr[i]]) for i in ids]),
+        armature=np.array(model.dof_armature[dofs]),
+        friction=np.stack([model.dof_frictionloss[dofs], np.ravel(model.dof_damping)[dofs]], axis=1),
         rotary=tuple(kinds[int(model.jnt_type[i])] for i in ids),
         held=tuple(name for name in every if name not in moving),
         followers=followers,
