@@ -69,6 +69,8 @@ class StageSettings:
             too small by it, and a loop that answers the noise takes its share for the motion's.
         widest_row: Widest row [s], about that of slow recordings: a wider one holds a whole stroke.
         late_fall: Part by which the held-out error must fall for a delay beside what is named.
+        late_alike: Part by which it may rise where a delay takes fewer names: what an effect of a fifth of the noise
+            explains.
         late_explains: The same where something stays unknown beside it. A gap or a spring bends a joint like a delay,
             and a lag that was found names all that is missing.
     """
@@ -81,6 +83,7 @@ class StageSettings:
     noise_share: float = 0.01
     widest_row: float = 0.17
     late_fall: float = 0.1
+    late_alike: float = 0.02
     late_explains: float = 0.5
 
 
@@ -274,11 +277,14 @@ def _leaves_less(moved: Verdict, before: Verdict) -> bool:
 def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
     """Whether the error falls clearly, and a late torque needs no names but those that were there without it and the
     form of the friction, which a lag in place of a delay bends; others may come where none is late, and the rows left
-    something unknown, or where less is left than had passed for noise."""
+    something unknown, or where less is left than had passed for noise. Or whether it says with fewer names as much."""
     findings, before = answer
     names, known = ({effect.name for effect in one.effects} for one in (moved, before))
     names -= {name for name, effect in EFFECTS.items() if effect.form_of_friction}
     leaves = moved.word == "unknown_physics"
+    says_it_shorter = is_late and not leaves and len(moved.effects) + 1 < len(before.effects)
+    if says_it_shorter and moved.held.rmse_after < (1.0 + SETTINGS.late_alike) * before.held.rmse_after:
+        return True
     was_no_noise = moved.held.rmse_after < before.held.noise_floor  # by which the names before were weighed
     allowed = names <= known or (not leaves and (was_no_noise or (findings.unknown and not is_late)))
     least = SETTINGS.late_explains if leaves else SETTINGS.late_fall

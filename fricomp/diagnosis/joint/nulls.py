@@ -106,9 +106,10 @@ class _Chain:
         heard = [(stepless, one.position, self.applied[index] + one.torque) for one in self.answers[index][:count]]
         moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
         at_once = max(LANES[1], JOINT.most_held // (_SIGNALS * track.size))
+        own = track.position_noise.measure_own(track.resolution)
         parts = [moved[i : i + at_once] for i in range(0, len(moved), at_once)]
         return np.concatenate(
-            [self._simulate(index, [_draw_null(*each, noise, rng) for each in part]) for part in parts]
+            [self._simulate(index, [_draw_null(*each, (noise, own), rng) for each in part]) for part in parts]
         )
 
     def _simulate(self, index: int, nulls: list[Track]) -> FloatArray:
@@ -203,17 +204,21 @@ def _smooth(track: Track) -> FloatArray:
 
 
 def _draw_null(
-    track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
+    track: Track,
+    position: FloatArray,
+    applied: FloatArray,
+    noises: tuple[TorqueNoise, float],
+    rng: np.random.Generator,
 ) -> Track:
     """Record a joint that `applied` moves along `position`, with fresh noise, rounding, a small delay and the same rows
     missing. Noise of the position shows in rows of rest, where a bristle takes up that of a torque."""
+    noise, own = noises
     torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
     if track.position_noise.jitter > 0.0:
         late = track.position_noise.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     torque = track.bridge(torque + track.unrest * drawn)
-    own = track.position_noise.measure_own(track.resolution)
     if own > 0.0:
         position = position + own * rng.standard_normal(track.size)
     if track.resolution > 0.0:
