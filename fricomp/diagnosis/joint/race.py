@@ -23,12 +23,11 @@ class Race:
     lead: float = np.inf
     at_once: bool = False
 
-    def is_lost(self, cost: float, promised: float, known: float = np.inf) -> bool:
-        """Whether a descent at `cost` stays far behind, even if it falls by several times what a line promises, or
-        above what is `known`, even if all its steps do what this one promises."""
+    def is_lost(self, cost: float, promised: float) -> bool:
+        """Whether a descent at `cost` stays far behind, even if it falls by several times what a line promises."""
         self.lead = min(self.lead, cost)
         bar = self.lead + JOINT.lost_share * max(self.start - self.lead, 0.0)
-        return cost - JOINT.lost_promises * promised > bar or promised < JOINT.catching_up * (cost - known)
+        return cost - JOINT.lost_promises * promised > bar
 
     def is_settled(self, cost: float, gain: float) -> bool:
         """Whether a descent at `cost` that fell by `gain` in its last step does not come to the leader any more."""
@@ -41,10 +40,8 @@ class Entry:
 
     Attributes:
         race: The race.
-        known: Cost of what stands in its place already: it counts only below that.
         hurried: Whether it ends as well where it has settled behind the leader, and its last digits do not matter.
     """
 
     race: Race
-    known: float = np.inf
     hurried: bool = False

@@ -216,7 +216,7 @@ def is_beaten(fit: Fit, box: Box, race: Race) -> bool:
 
 def _is_lost(entry: Entry, normal: _Normal, theta: FloatArray, cost: float, damping: float) -> bool:
     """Whether a descent that is at `theta` cannot win its race any more."""
-    return entry.race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1], entry.known)
+    return entry.race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1])
 
 
 def _propose_steps(normal: _Normal, theta: FloatArray, cost: float, damping: float) -> tuple[list[FloatArray], float]:

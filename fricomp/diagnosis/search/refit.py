@@ -44,35 +44,21 @@ def polish(
     iterations: int = 4,
     refresh: int = 2,
     lead: float = np.inf,
-    chosen: Explanation | None = None,
 ) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found, as
     long as they may come near the best of them, or the cost `lead`.
 
     Again for those whose load moves with it, while they gain by that, from the derivatives that the last time left.
-    The numbers of the `chosen` one are wanted to the last digit, those of its rivals as far as it may hang on them.
     """
-    exact, once = [one is chosen for one in explanations], _Polish(baseline, iterations, refresh, lead)
-    before, result = list(explanations), once.run(explanations, [_list_starts(one) for one in explanations], exact)
+    once = _Polish(baseline, iterations, refresh, lead)
+    before, result = list(explanations), once.run(explanations, [_list_starts(one) for one in explanations])
     for _ in range(SEARCH.polishes - 1):
         unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
         kept = [[_Start(result[i].fit.theta, result[i].fit.jacobian)] for i in unsettled]
-        again = once.run([result[i] for i in unsettled], kept, [exact[i] for i in unsettled])
+        again = once.run([result[i] for i in unsettled], kept)
         before, further = result, dict(zip(unsettled, again, strict=True))
         result = [further.get(i, one) for i, one in enumerate(result)]
     return result
-
-
-def finish(
-    baseline: Baseline, tried: list[Explanation], best: Explanation | None, hurried: Sequence[Explanation]
-) -> Explanation | None:
-    """Return what was chosen, and put it in its place in `tried`, to the last digit where its fit was `hurried`, as
-    that of a rival."""
-    if best is None or all(one is not best for one in hurried):
-        return best
-    (done,) = polish(baseline, [best], iterations=SEARCH.last_steps, chosen=best)
-    tried[tried.index(best)] = done
-    return done
 
 
 def _is_unsettled(old: Explanation, new: Explanation) -> bool:
@@ -105,24 +91,17 @@ class _Polish(NamedTuple):
     refresh: int
     lead: float
 
-    def run(
-        self, explanations: Sequence[Explanation], starts: Sequence[Sequence[_Start]], exact: Sequence[bool]
-    ) -> list[Explanation]:
-        """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is better.
-
-        Of explanations with the same names only the best counts, and of its starts the first is followed to the end
-        where its numbers are wanted exactly.
-        """
+    def run(self, explanations: Sequence[Explanation], starts: Sequence[Sequence[_Start]]) -> list[Explanation]:
+        """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is less."""
         descents, owners = [], []
-        known = find_lowest_costs(explanations)
-        race = Race(self.baseline.fit.cost, min(self.lead, *known.values(), np.inf), at_once=True)
+        lead = min([self.lead, *(one.fit.cost for one in explanations if not one.refused)])
+        entry = Entry(Race(self.baseline.fit.cost, lead, at_once=True))
         for i, (one, own) in enumerate(zip(explanations, starts, strict=True)):
             structure = Structure(rebuild_contexts(self.baseline, one), one.settled)
-            for k, start in enumerate(own):
-                best = np.inf if exact[i] and k == 0 else known.get(one.names, np.inf)
+            for start in own:
                 descent = structure.start_descent(
                     start.theta, one.box, jacobian=start.jacobian, iterations=self.iterations, refresh=self.refresh,
-                    entry=Entry(race, best, hurried=not exact[i]),
+                    entry=entry,
                 )  # fmt: skip
                 descents.append((structure, descent))
                 owners.append(i)
@@ -131,15 +110,6 @@ class _Polish(NamedTuple):
         for i, one in zip(owners, fitted, strict=True):
             result[i] = max(result[i], one, key=compute_preference)
         return result
-
-
-def find_lowest_costs(explanations: Sequence[Explanation]) -> dict[tuple[str, ...], float]:
-    """Find the lowest cost of those that are physical, by their names."""
-    lowest: dict[tuple[str, ...], float] = {}
-    for one in explanations:
-        if not one.refused:
-            lowest[one.names] = min(lowest.get(one.names, np.inf), one.fit.cost)
-    return lowest
 
 
 def rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:

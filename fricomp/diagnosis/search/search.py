@@ -19,7 +19,7 @@ from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
 from .overtones import fit_overtones
 from .preparation import Baseline
-from .refit import compute_preference, finish, fit_from, polish, rebuild_contexts, refit
+from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
@@ -87,7 +87,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
         best = choose(baseline, tried, threshold) or best
         close = select_finalists(best, rank_acceptable(tried, threshold))
         close += _fit_twins(baseline, best) + fit_straightened(baseline, best)
-        finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2, chosen=best)
+        finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
         parted: list[Explanation] = []
         while wholes := _select_wholes(tried, choose(baseline, tried, threshold), threshold, parted):
@@ -96,9 +96,8 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
                 tried += _fit_parts(baseline, whole)
         best = choose(baseline, tried, threshold)
         if best is not None:
-            siblings = fit_siblings(baseline, best)
-            tried += siblings
-            best = finish(baseline, tried, choose(baseline, tried, threshold), [*finished[1:], *siblings])
+            tried += fit_siblings(baseline, best)
+            best = choose(baseline, tried, threshold)
         if best is not None and _list_idle(baseline, best):
             tried += _fit_without_idle(baseline, select_finalists(best, rank_acceptable(tried, threshold)))
             best = choose(baseline, tried, threshold)
@@ -300,8 +299,7 @@ def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> lis
     screened = screen(baseline.problem, structure, fit.theta, fit.residual, fit.jacobian)
     groups = _rank_groups(screened, SEARCH.from_simulation)
     wanted = [(replace(structure, candidates=(group[0].candidate,)), fit.theta) for group in groups]
-    race = Race(baseline.fit.cost, min((one.fit.cost for one in free if not one.refused), default=np.inf))
-    return fit_from(baseline, wanted, baseline.box, entry=Entry(race, hurried=True))
+    return fit_from(baseline, wanted, baseline.box)
 
 
 def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]], lead: float) -> list[Explanation]:

@@ -162,18 +162,6 @@ def test_the_leader_of_a_race_runs_to_its_end() -> None:
     np.testing.assert_array_equal(found.theta, alone.theta)
 
 
-def test_a_descent_whose_place_is_taken_by_a_lower_cost_ends_early() -> None:
-    """No point of this valley costs less than 25."""
-    costs, counts = [], []
-    for known in (np.inf, 26.0, 5.0):
-        counted = _Counted(lambda points: [np.append(one, 5.0) for one in _valley(points)])
-        descent = descend(np.array([-1.2, 1.0, 0.0]), _box(), iterations=20, entry=Entry(Race(1e3), known))
-        costs.append(run_together([descent], split_evaluation(counted))[0].cost)
-        counts.append(counted.points)
-    assert costs[1] == costs[0] == pytest.approx(25.0, abs=0.2)
-    assert counts[1] == counts[0] > counts[2]
-
-
 def test_a_rival_that_settles_behind_the_leader_needs_no_last_digits() -> None:
     start, lead = np.array([-1.2, 1.0, 0.0]), -1e3
     counts = []
