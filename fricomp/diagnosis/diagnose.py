@@ -260,7 +260,7 @@ def _weigh_late_action(
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
     late = name_late_action(findings)
     is_late = late.parameters["delay"].ci95[0] > usual
-    if not (_leaves_less(verdict, answer[1]) if shows else _completes(verdict, answer, is_late)):
+    if not (_leaves_less(verdict, answer[1], is_late) if shows else _completes(verdict, answer, is_late)):
         return answer
     return findings, join_channels(verdict, [late]) if is_late else verdict
 
@@ -270,8 +270,10 @@ def _leaves_noise_alone(verdict: Verdict) -> bool:
     return verdict.held.noise_floor > (1.0 - SETTINGS.late_fall) * verdict.held.rmse_after
 
 
-def _leaves_less(moved: Verdict, before: Verdict) -> bool:
-    return moved.held.rmse_after <= before.held.rmse_after
+def _leaves_less(moved: Verdict, before: Verdict, is_late: bool) -> bool:
+    """Whether the error falls, and by no more names than left noise alone before: such as a lag in place of a delay."""
+    wordier = len(moved.effects) + is_late > len(before.effects) and _leaves_noise_alone(before)
+    return moved.held.rmse_after <= before.held.rmse_after and not wordier
 
 
 def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
