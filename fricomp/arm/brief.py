@@ -10,9 +10,9 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
+from .comparison.stated import say_stated
 from .matter import LEAST_MATTER
 from .record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
-from .stated import say_stated
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""

@@ -25,16 +25,16 @@ from .brief import (
     show_quantity,
     write_summary,
 )
+from .comparison.links import describe_link, measure_link_change
+from .comparison.stated import list_stated, say_stated
 from .elasticity import measure_stiffness
 from .fit import Z95, ArmFit
 from .friction import GEARS, TERMS
-from .link_answer import describe_link, measure_link_change
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
 from .search.gear import GearSearch
-from .shared_delay import SharedDelay
-from .stated import list_stated, say_stated
+from .search.shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 

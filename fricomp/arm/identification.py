@@ -32,8 +32,8 @@ from .rows import ArmRows
 from .search.early_torque import EarlyTorques
 from .search.gear import GearSearch
 from .search.ripple import propose_ripples
+from .search.shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
 from .search.stribeck import hold_curve, is_curve
-from .shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
 
 __all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
 
@@ -91,7 +91,11 @@ class ArmIdentification:
 
 @one_blas_thread()
 def identify_arm(
-    arm: SimulatedArm, recording: ArmRecording, prior: ArmPrior | None = None, progress: Progress | None = None
+    arm: SimulatedArm,
+    recording: ArmRecording,
+    prior: ArmPrior | None = None,
+    progress: Progress | None = None,
+    barred: frozenset[str] = frozenset(),
 ) -> ArmIdentification:
     """Identify links, rotors and friction of a whole arm.
 
@@ -100,6 +104,7 @@ def identify_arm(
         recording: All joints, moving.
         prior: How far the simulation is trusted.
         progress: Called with a few words before each step.
+        barred: Things that are not looked for, by the names of `propose_models`.
 
     Raises:
         IdentificationError: No joint moves, or the recording is too short.
@@ -109,10 +114,10 @@ def identify_arm(
         raise IdentificationError("no joint moves in this recording")
     say("choosing the bandwidth")
     rows, equations = choose_rows(arm, recording, ArmModel.build_plain(len(arm.joints)), prior)
-    found = _search(rows, equations, arm, recording, prior, say)
+    found = _search(rows, equations, arm, recording, prior, say, barred=barred)
     higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, equations.weights.noise)
     if higher is not None:
-        found = _search(*higher, arm, recording, prior, say, found)
+        found = _search(*higher, arm, recording, prior, say, found, barred)
     fit, equations = fit_robustly(arm, found.rows, found.equations, found.fit.model, prior, found.fit, settled=True)
     return replace(found, fit=fit, equations=equations)
 
@@ -125,6 +130,7 @@ def _search(
     prior: ArmPrior,
     say: Progress,
     known: ArmIdentification | None = None,
+    barred: frozenset[str] = frozenset(),
 ) -> ArmIdentification:
     """Delay and model in turn, from a plain one.
 
@@ -138,14 +144,14 @@ def _search(
     if known is not None:
         delay, model = known.delay, replace(model, prompt=known.fit.model.prompt)
         rows, equations = _move_torques(recording, rows, equations, delay.value)
-        model, _, equations = _take_in(rows, equations, model, prior, trials, rivals, arm)
+        model, _, equations = _take_in(rows, equations, model, prior, trials, rivals, arm, barred)
     for _ in range(_PASSES):
         say("finding the delay of the torques")
         before, model = model, share_delays(model)
         rows, equations, delay, prompt = _take_off_delay(recording, rows, equations, model, prior, delay.value, arm)
         model = replace(model, prompt=prompt)
         say("weighing what the simulation may have wrong")
-        model, fit, equations = _take_in(rows, equations, model, prior, trials, rivals, arm)
+        model, fit, equations = _take_in(rows, equations, model, prior, trials, rivals, arm, barred)
         if model == before:
             break
     return ArmIdentification(recording, rows, equations, fit, delay, prior, trials, rivals)
@@ -207,6 +213,7 @@ def _take_in(
     trials: dict[str, float],
     rivals: dict[str, tuple[str, ...]],
     arm: SimulatedArm,
+    barred: frozenset[str],
 ) -> tuple[ArmModel, ArmFit, ArmEquations]:
     """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
     fit, equations = fit_robustly(arm, rows, equations, model, prior)
@@ -215,7 +222,7 @@ def _take_in(
         equations = propose_ripples(rows, equations, fit)
         for gears in searches:
             equations = gears.propose(equations, fit, prior)
-        tried = _try_out(rows, equations, fit, prior, trials)
+        tried = _try_out(rows, equations, fit, prior, trials, barred)
         gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
         trials |= gains  # of the best variant of each
         best = max(gains, key=lambda name: gains[name] - _require(name), default=None)
@@ -231,7 +238,12 @@ def _take_in(
 
 
 def _try_out(
-    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, trials: dict[str, float]
+    rows: ArmRows,
+    equations: ArmEquations,
+    fit: ArmFit,
+    prior: ArmPrior,
+    trials: dict[str, float],
+    barred: frozenset[str],
 ) -> list[tuple[str, ArmFit]]:
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
     glance, early = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
@@ -239,7 +251,8 @@ def _try_out(
     def is_early(joint: int) -> bool:
         return not fit.model.prompt and early.shows(joint, glance)
 
-    gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in propose_models(fit.arm, fit.model)]
+    proposed = [(name, other) for name, other in propose_models(fit.arm, fit.model) if name not in barred]
+    gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in proposed]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
     open_ones = [each for each in gains if each[2] > _require(each[0]) - _GLANCE_ERROR]
     while open_ones:

@@ -14,7 +14,7 @@ from .fit import fit_arm
 from .friction import TERMS
 from .identification import ArmIdentification
 from .rows import ArmRows
-from .shared_delay import measure_seen
+from .search.shared_delay import measure_seen
 
 _ROUNDS = 6
 _STILL = 0.1

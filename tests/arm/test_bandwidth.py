@@ -16,7 +16,7 @@ from fricomp.arm.friction import JointForm
 from fricomp.arm.prior import ArmPrior
 from fricomp.arm.robust_fit import fit_robustly
 from fricomp.arm.rows import build_rows
-from fricomp.arm.shared_delay import SharedDelay, measure_delay
+from fricomp.arm.search.shared_delay import SharedDelay, measure_delay
 
 from .moving_arm import record_arm, write_arm
 from .test_examination import follow_load

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from fricomp.arm import ArmRecord, examine_arm
+from fricomp.arm import ArmRecord, examination, examine_arm
 from fricomp.arm.examination import match_recordings
+from fricomp.arm.identification import ArmIdentification, identify_arm
 from fricomp.arm.rigid.regressor import compute_gradients, compute_regressor
 
 from .moving_arm import bend_gear, record_arm, write_arm
-from .test_examination import names_of
+from .test_examination import follow_load, names_of
 
 _ELBOW = 1
 _GEAR = {"shoulder": [], "elbow": ["joint_elasticity"], "wrist": []}
@@ -50,3 +52,23 @@ def test_gradients_are_those_of_the_torque(tmp_path: Path) -> None:
     step = 1e-5 * np.eye(3)[_ELBOW]
     there, back = (compute_regressor(arm, q + way * step, v, a) @ arm.inertia.ravel() for way in (1.0, -1.0))
     assert gradient[:, :, _ELBOW] == pytest.approx((there - back) / 2e-5, abs=1e-5)
+
+
+def test_what_is_barred_is_not_taken_in_and_a_gear_that_is_not_borne_out_is_barred(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    simulation = write_arm(tmp_path)
+    recordings = record_arm(simulation, follow_load, duration=10.0, rate=100.0)
+    searched: list[frozenset[str]] = []
+    gears: list[frozenset[str]] = [frozenset(), frozenset({"a: joint_elasticity"})]
+
+    def look(*args: Any) -> ArmIdentification:
+        searched.append(args[4] if len(args) > 4 else frozenset())
+        name = f"{args[0].joints[0]}: load_coulomb"
+        return identify_arm(args[0], args[1], args[2], args[3], frozenset({name}))
+
+    monkeypatch.setattr(examination, "identify_arm", look)
+    monkeypatch.setattr(examination, "_list_gears", lambda _: gears.pop())
+    found = examination.examine_arm(recordings, simulation).answer.identification
+    assert searched == [frozenset(), frozenset({"a: joint_elasticity"})]
+    assert "load_coulomb" not in found.fit.model.forms[0].names

@@ -7,7 +7,7 @@ import pytest
 
 from fricomp.arm.coordinates import ArmModel
 from fricomp.arm.friction import JointForm
-from fricomp.arm.shared_delay import SharedDelay, agree, measure_seen, share_delays, take_median
+from fricomp.arm.search.shared_delay import SharedDelay, agree, measure_seen, share_delays, take_median
 
 
 def test_joints_with_one_delay_agree() -> None:

@@ -20,8 +20,8 @@ from ..equations import ArmEquations
 from ..fit import ArmFit
 from ..glance import Glance
 from ..rows import ArmRows
-from ..shared_delay import is_before_most
 from .judge import Estimate, JointJudge
+from .shared_delay import is_before_most
 
 _DELAY = "torque_delay"
 

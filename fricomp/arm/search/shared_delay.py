@@ -14,11 +14,11 @@ from scipy.stats import chi2
 
 from fricomp.laws import FloatArray
 
-from .coordinates import ArmModel
-from .equations import ArmEquations
-from .fit import ArmFit
-from .glance import Glance
-from .prior import ArmPrior
+from ..coordinates import ArmModel
+from ..equations import ArmEquations
+from ..fit import ArmFit
+from ..glance import Glance
+from ..prior import ArmPrior
 
 _OWN = "torque_delay"
 """The term by which a joint has a delay of its own."""

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from fricomp.diagnosis.record.result import Quantity
 
-from .record import JointRecord
-from .rigid.simulated_arm import SimulatedArm
+from ..record import JointRecord
+from ..rigid.simulated_arm import SimulatedArm
 
 _OFF = 0.1
 """Part of what is stated by which a number must differ to be told: as much as an effect must matter."""

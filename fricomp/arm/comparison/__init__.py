@@ -1,0 +1,1 @@
+"""What was found beside what the simulation has: links, and what its file states of friction and rotors."""
