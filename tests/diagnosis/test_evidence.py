@@ -270,6 +270,22 @@ def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain
 
 
 @pytest.mark.parametrize(
+    ("names", "gain", "refused", "named"),
+    [
+        (("cogging",), 1200.0, "no period of it lies within the recorded range", False),
+        (("cogging",), 1100.0, "no period of it lies within the recorded range", True),  # not clearly more
+        (("cogging",), 1200.0, "", True),  # which the choice has weighed
+        (("cogging", "end_stop"), 1200.0, "the stop would pull outwards", True),  # no fewer
+    ],
+)
+def test_a_sum_is_not_named_where_fewer_explain_clearly_more_with_numbers_that_they_cannot_have(
+    names: tuple[str, ...], gain: float, refused: str, named: bool
+) -> None:
+    best, other = known(("end_stop", "kinematic_error"), 1000.0), known(names, gain, refused=refused)
+    assert covers(best, known_search(best, other), known_baseline()) == named
+
+
+@pytest.mark.parametrize(
     ("ratio", "structured", "explainable", "null", "unknown"),
     [
         (1.10, False, 130.0, 20.0, True),
