@@ -23,10 +23,9 @@ from .rigid.naming import find_strangers
 from .rigid.simulated_arm import SimulatedArm, read_arm
 from .search.degrees import are_degrees, take_radians
 from .search.frames import find_turned_torques, turn_torque
+from .search.gear import YIELDING_GEAR
 from .search.mounting import find_mounting
 from .still import find_still
-
-_GEAR = "joint_elasticity"
 
 
 @dataclass(frozen=True)
@@ -100,7 +99,7 @@ def _list_gears(found: ArmIdentification) -> frozenset[str]:
     """List the gears that give way by the names of `propose_models`: links and the friction of all joints bend with
     one, and what was not sought beside it is missing when it goes."""
     pairs = zip(found.fit.arm.joints, found.fit.model.forms, strict=True)
-    return frozenset(f"{joint}: {name}" for joint, form in pairs for name, _ in form.terms if name == _GEAR)
+    return frozenset(f"{joint}: {name}" for joint, form in pairs for name, _ in form.terms if name == YIELDING_GEAR)
 
 
 def match_recordings(

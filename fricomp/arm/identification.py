@@ -30,7 +30,7 @@ from .rigid.simulated_arm import SimulatedArm
 from .robust_fit import fit_robustly
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
-from .search.gear import GearSearch
+from .search.gear import YIELDING_GEAR, GearSearch
 from .search.ripple import propose_ripples
 from .search.shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
 from .search.stribeck import hold_curve, is_curve
@@ -233,7 +233,7 @@ def _take_in(
         chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
         model = chosen.model
         fit, equations = fit_robustly(arm, rows, equations, model, prior, chosen)
-        if alike[0].endswith(": joint_elasticity"):  # until then links made up for it, and what bends it hangs on them
+        if alike[0].endswith(f": {YIELDING_GEAR}"):  # until then links made up for it, and what bends it hangs on them
             searches[GEARS.index("spring")] = GearSearch(rows, fit, "spring")
 
 

@@ -1,5 +1,4 @@
-"""What a simulation states of friction and rotors, beside what was found: a file may have other numbers of the same
-physics, which is no missing physics."""
+"""What a simulation states of friction and rotors, beside what was found: wrong numbers of physics that it has."""
 
 from __future__ import annotations
 

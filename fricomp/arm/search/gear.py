@@ -29,7 +29,10 @@ from ..rigid.regressor import compute_gradients, compute_mass_matrices
 from ..rows import ArmRows
 from .judge import JointJudge
 
-__all__ = ["GearSearch"]
+__all__ = ["YIELDING_GEAR", "GearSearch"]
+
+YIELDING_GEAR = "joint_elasticity"
+"""Name of the term of a gear that gives way."""
 
 _WIDTHS = tuple(3e-4 * 2.0 ** (0.5 * k) for k in range(13))
 """[rad] or [m] that a search starts from, up to 19 mrad; between two of them the time to cross differs by an eighth."""
@@ -116,7 +119,7 @@ class _Kind:
 _KINDS: dict[Filled, _Kind] = {
     "gap": _Kind("backlash", tuple(product((0.0, *_WIDTHS), _RATES)), Gear._fields, "width", _TURNS, np.inf),
     "spring": _Kind(
-        "joint_elasticity", tuple((0.0, rate) for rate in _YIELDING), ("stiffness", "damping"), "stiffness", 0, 0.03
+        YIELDING_GEAR, tuple((0.0, rate) for rate in _YIELDING), ("stiffness", "damping"), "stiffness", 0, 0.03
     ),
 }
 

@@ -174,7 +174,11 @@ def descend(
     J = _build_columns(moved, at, steps, free)
     J[:, : known.shape[1]] = known.reshape(at.size, -1)
     damping, age = JOINT.first_damping, 0
-    if entry is not None and entry.race.at_once and _is_lost(entry, _Normal(J, residual, box), theta, cost, damping):
+    if (
+        entry is not None
+        and entry.race.at_once
+        and _is_lost(entry.race, _Normal(J, residual, box), theta, cost, damping)
+    ):
         iterations = 0
     for _ in range(iterations):
         trials, promised = _propose_steps(_Normal(J, residual, box), theta, cost, damping)
@@ -202,7 +206,7 @@ def descend(
         if ended and (age == 1 or refresh > iterations):
             break
         look = entry is not None and (age >= refresh or refresh > iterations)
-        if entry is not None and look and _is_lost(entry, _Normal(J, residual, box), theta, cost, damping):
+        if entry is not None and look and _is_lost(entry.race, _Normal(J, residual, box), theta, cost, damping):
             break
         if age >= refresh:
             J, age = (yield from _compute_jacobian(theta, residual, box)), 0
@@ -211,12 +215,12 @@ def descend(
 
 def is_beaten(fit: Fit, box: Box, race: Race) -> bool:
     """Whether a fit with derivatives of its end, in the domain `box`, cannot win a race any more."""
-    return _is_lost(Entry(race), _Normal(fit.jacobian, fit.residual, box), fit.theta, fit.cost, JOINT.first_damping)
+    return _is_lost(race, _Normal(fit.jacobian, fit.residual, box), fit.theta, fit.cost, JOINT.first_damping)
 
 
-def _is_lost(entry: Entry, normal: _Normal, theta: FloatArray, cost: float, damping: float) -> bool:
+def _is_lost(race: Race, normal: _Normal, theta: FloatArray, cost: float, damping: float) -> bool:
     """Whether a descent that is at `theta` cannot win its race any more."""
-    return entry.race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1])
+    return race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1])
 
 
 def _propose_steps(normal: _Normal, theta: FloatArray, cost: float, damping: float) -> tuple[list[FloatArray], float]:

@@ -125,7 +125,7 @@ def fit_from(
     wanted: Sequence[tuple[Structure, FloatArray]],
     box: Box | Sequence[Box],
     *,
-    entry: Entry | Sequence[Entry] | None = None,
+    entry: Entry | None = None,
 ) -> list[Explanation]:
     """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
 
@@ -134,14 +134,13 @@ def fit_from(
         wanted: For each explanation its structure, whose contexts are of the joint that it starts from, and the start
             of the base, shape (N_BASE,). A base fitted without friction under load has another gravity and load.
         box: Domain and priors of the base: of all of them, or of each.
-        entry: The race that they run in, or that of each; None where each runs to its end.
+        entry: The race that they run in; None where each runs to its end.
     """
     boxes = [box] * len(wanted) if isinstance(box, Box) else list(box)
-    entries = list(entry) if isinstance(entry, Sequence) else [entry] * len(wanted)
     descents = []
-    for (structure, theta), own, raced in zip(wanted, boxes, entries, strict=True):
+    for (structure, theta), own in zip(wanted, boxes, strict=True):
         start = np.concatenate([theta, structure.build_start()])
-        descent = structure.start_descent(start, own, iterations=SEARCH.last_steps, refresh=2, entry=raced)
+        descent = structure.start_descent(start, own, iterations=SEARCH.last_steps, refresh=2, entry=entry)
         descents.append((structure, descent))
     return _fit_and_judge(baseline, descents, boxes)
 

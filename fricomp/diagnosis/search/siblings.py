@@ -27,8 +27,7 @@ def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
     if not wanted:
         return []
     race = Race(baseline.fit.cost, best.fit.cost)
-    entry = Entry(race)
-    fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, entry=entry)
+    fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, entry=Entry(race))
     near = [one for one in fitted if not is_beaten(one.fit, one.box.join(one.structure.build_box()), race)]
     rest = [one for one in fitted if one not in near]
     return polish(baseline, near, iterations=SEARCH.last_steps, lead=best.fit.cost) + rest
