@@ -62,6 +62,7 @@ class ArmRecording:
         frames_instead: Frames of joints that would explain as much as the mounting that was taken instead.
         turned: Joints whose torques were recorded the other way round; here they are turned.
         degrees: Whether positions were degrees that had been taken for rad; here they are rad.
+        guided: Times [s] in which something else than the drives moved or held the arm, which are in no part.
         placed: Whether positions and velocities said when rows were sampled, since stamps did not.
     """
 
@@ -75,6 +76,7 @@ class ArmRecording:
     frames_instead: tuple[JointFrame, ...] = ()
     turned: tuple[str, ...] = ()
     degrees: bool = False
+    guided: tuple[tuple[float, float], ...] = ()
     placed: bool = False
 
     @property
@@ -91,6 +93,12 @@ class ArmRecording:
             if min(max(rises), max(falls)) < _GOES_BACK * max(*rises, *falls):
                 found.append(name)
         return tuple(found)
+
+    @property
+    def guided_from_start(self) -> tuple[tuple[float, float], ...]:
+        """The same as `guided`, from the first row of the recordings [s]."""
+        start = min(float(one.time[0]) for one in self.recordings)
+        return tuple((max(first - start, 0.0), last - start) for first, last in self.guided)
 
     @property
     def duration(self) -> float:

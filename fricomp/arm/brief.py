@@ -197,6 +197,19 @@ def say_corrections(record: ArmRecord) -> tuple[str, ...]:
         *((degrees,) if record.degrees else ()),
         *say_gravity(record.gravity, record.frames_instead),
         *say_turned(record.turned_torques),
+        *say_guided(record.guided),
+    )
+
+
+def say_guided(spans: Sequence[tuple[float, float]]) -> tuple[str, ...]:
+    """When something else than the drives moved the arm, if anything did."""
+    if not spans:
+        return ()
+    times = ", ".join(f"{first:.3g} to {last:.3g} s" for first, last in spans)
+    return (
+        f"At {times} something else than the drives moved or held the arm, such as a hand, a contact or a load that it "
+        "picked up: there the torques of half of the joints or more are off by more than half of their friction. That "
+        "time was left out.",
     )
 
 

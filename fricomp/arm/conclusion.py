@@ -75,6 +75,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         better_frames=() if arm.remounted else find_better_frames(arm, found.recording),
         frames_instead=found.recording.frames_instead,
         torque_scales=find_torque_scales(arm, found.recording, found.fit.inertia),
+        guided=found.recording.guided_from_start,
     )
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
@@ -287,7 +288,10 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
         "taken for friction."
     )
     if record.left_out > 0.005:
-        lines.append(f"{record.left_out:.0%} of the time was left out: gaps, and stretches too short between them.")
+        guided = ", what else moved the arm" if record.guided else ""
+        lines.append(
+            f"{record.left_out:.0%} of the time was left out: gaps{guided}, and stretches too short between them."
+        )
     if record.one_way:
         lines.append(
             f"Moved one way only, so that friction is not told from a constant torque: {', '.join(record.one_way)}."

@@ -15,6 +15,7 @@ from fricomp.simulation_file import list_joints
 from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
+from .guided import find_guided, leave_out_spans
 from .identification import ArmIdentification, Progress, identify_arm
 from .log.drive_gain import take_torques
 from .prior import ArmPrior
@@ -158,10 +159,19 @@ def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> tuple[S
     if mounting is not None:
         arm, joined = arm.with_gravity(mounting.gravity), replace(joined, frames_instead=mounting.frames)
     turned = find_turned_torques(arm, joined)
-    if not turned:
-        return arm, joined
-    rightly = [turn_torque(one) if one.metadata.joint in turned else one for one in recordings]
-    return arm, replace(join_joints(rightly), turned=turned, frames_instead=joined.frames_instead)
+    if turned:
+        recordings = [turn_torque(one) if one.metadata.joint in turned else one for one in recordings]
+        joined = replace(join_joints(recordings), turned=turned, frames_instead=joined.frames_instead)
+    return arm, _leave_out_guided(arm, joined, recordings)
+
+
+def _leave_out_guided(arm: SimulatedArm, joined: ArmRecording, recordings: Sequence[Recording]) -> ArmRecording:
+    """The recording without what else than the drives moved the arm in, where anything did."""
+    guided = find_guided(arm, joined)
+    if not guided:
+        return joined
+    own = join_joints(leave_out_spans(recordings, guided))
+    return replace(own, guided=guided, turned=joined.turned, frames_instead=joined.frames_instead)
 
 
 def _read_recorded(

@@ -195,6 +195,8 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
             unit, such as that of its motor.
         one_way: Joints that hardly went back, whose friction is not told from a constant torque.
+        guided: From when to when something else than the drives moved or held the arm [s, from the start]: these
+            stretches were left out.
     """
 
     schema: str
@@ -218,6 +220,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     better_frames: tuple[JointFrame, ...] = ()
     frames_instead: tuple[JointFrame, ...] = ()
     torque_scales: dict[str, float] = {}
+    guided: tuple[tuple[float, float], ...] = ()
 
 
 def arm_json_schema() -> dict[str, Any]:
