@@ -94,6 +94,19 @@ class ArmAnswer:
         timed = term != "torque_delay" or joint not in self._unshown
         return matters and sized and is_whole(fit, joint, term) and timed
 
+    def list_unnamed(self, joint: int) -> dict[str, float]:
+        """Effects of a joint that stay in the model without a name and are no trifle, with what each lowers the
+        held-out error by, as part of it."""
+        form = self.identification.fit.model.forms[joint]
+        return {
+            name: max(self.evidence[joint, name].fall, 0.0)
+            for name in form.names
+            if name in EFFECTS
+            and form.find_head(name) == name
+            and not self.is_named(joint, name)
+            and self._measure_part(joint, name) >= LEAST_MATTER
+        }
+
     def measure_unexplained(self, joint: int) -> float:
         """Held-out error of a joint over means of 0.2 s, as part of its friction."""
         _, names = self.identification.fit.find_friction(joint)

@@ -11,6 +11,7 @@ from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
 from .comparison.stated import say_stated
+from .corrections import name_frame, say_corrections
 from .matter import LEAST_MATTER
 from .record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
 
@@ -63,6 +64,7 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     lines += say_shared_causes(record.joints)
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
+    lines += say_unnamed(record.joints)
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
     lines += say_stated(record.joints)
@@ -137,6 +139,8 @@ def write_title(record: ArmRecord) -> str:
         said = f"unexplained torque in {', '.join(left)}"
     elif any(link.state == "off" for link in record.links):
         said = "only links are off"
+    elif any(joint.unnamed for joint in record.joints):
+        said = "nothing is named"
     else:
         said = "no physics is missing"
     return f"Arm of {len(record.joints)} joints: {said}"
@@ -156,17 +160,12 @@ def _say_scales(scales: Mapping[str, float]) -> str:
 
 
 def _say_frames(frames: Sequence[JointFrame]) -> str:
-    changes = "; ".join(map(_name_frame, frames))
+    changes = "; ".join(map(name_frame, frames))
     return (
         "The simulation explains the torques less than half as well as it would with other zeros or directions of "
         f"joints: {changes}. Then links are fitted to what is none of theirs: bring log and simulation into one frame "
         "(sign and offset of a mapping's channels, or the axis and the origin of the joint in the file)."
     )
-
-
-def _name_frame(frame: JointFrame) -> str:
-    position = ("q" if frame.direction > 0 else "-q") + (f" {frame.offset:+.4g} rad" if frame.offset else "")
-    return f"{frame.joint}, with position {position}{'' if frame.direction > 0 else ' and torque the other way'}"
 
 
 def _is_loose(joint: JointRecord) -> bool:
@@ -190,55 +189,14 @@ def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def say_corrections(record: ArmRecord) -> tuple[str, ...]:
-    """What was taken to be otherwise than log and simulation have it, before anything was fitted."""
-    degrees = "Positions were taken to be in degrees: only then does the simulation explain the torques."
-    return (
-        *((degrees,) if record.degrees else ()),
-        *say_gravity(record.gravity, record.frames_instead),
-        *say_turned(record.turned_torques),
-        *say_guided(record.guided),
-    )
-
-
-def say_guided(spans: Sequence[tuple[float, float]]) -> tuple[str, ...]:
-    """When something else than the drives moved the arm, if anything did."""
-    if not spans:
-        return ()
-    times = ", ".join(f"{first:.3g} to {last:.3g} s" for first, last in spans)
-    return (
-        f"At {times} something else than the drives moved or held the arm, such as a hand, a contact or a load that it "
-        "picked up: there the torques of half of the joints or more are off by more than half of their friction. That "
-        "time was left out.",
-    )
-
-
-def say_turned(joints: Sequence[str]) -> tuple[str, ...]:
-    """Whose torques were turned round, if any, and what follows for whoever uses the files."""
-    if not joints:
+def say_unnamed(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """What the models of joints hold without a name, if anything."""
+    held = [f"{joint.name} {name} ({_show_share(fall)})" for joint in joints for name, fall in joint.unnamed.items()]
+    if not held:
         return ()
     return (
-        f"The torque of {', '.join(joints)} was recorded with the opposite sign: positive torque accelerates towards "
-        "positive position. It was turned round first; a drive that takes its torques as they were recorded needs the "
-        "compensation with the opposite sign as well.",
-    )
-
-
-def say_gravity(gravity: Sequence[float] | None, frames: Sequence[JointFrame]) -> tuple[str, ...]:
-    """That gravity is another one than in the file, if it is, and what follows from that."""
-    if gravity is None:
-        return ()
-    if not any(gravity):
-        return (
-            "The torques have gravity taken off, as those of a controller that adds it by itself. So the simulation "
-            "was compared without it, arm.xml has none, and masses show by inertia alone: log whole torques if you "
-            "can.",
-        )
-    axes = ", ".join(f"{one:.3g}" for one in gravity)
-    alike = f" These torques would be the same with {'; '.join(map(_name_frame, frames))}." if frames else ""
-    return (
-        f"The arm is mounted otherwise than in the simulation: by the torques, gravity is ({axes}) m/s² in its axes. "
-        f"It was taken so, and arm.xml has it so.{alike}",
+        "In the model and its files without a name, since it lowers the held-out error of its joint by too little, or "
+        f"is not surely that: {', '.join(held)}.",
     )
 
 
@@ -299,18 +257,20 @@ def say_links(joints: Sequence[JointRecord]) -> str:
     """That links alone are off, and how much of the torques that is."""
     most = max(joints, key=lambda joint: joint.link_change)
     return (
-        f"Only links are off, by {_show_share(most.link_change)} of the torque of {most.name} at most; no physics is "
-        "missing in any joint."
+        f"Only links are off, by {_show_share(most.link_change)} of the torque of {most.name} at most; "
+        f"{'nothing is named' if any(joint.unnamed for joint in joints) else 'no physics is missing'} in any joint."
     )
 
 
 def say_nothing_missing(joints: Sequence[JointRecord]) -> str:
     """That nothing is, and how much of the torques links change that are each as simulated, one by one."""
     most = max(joints, key=lambda joint: joint.link_change)
-    return (
-        "Nothing is missing: joints have plain friction, and links are as simulated but for "
-        f"{_show_share(most.link_change)} of the torque of {most.name}."
+    opening = (
+        "Nothing is named: joints have plain friction, or little beside it,"
+        if any(joint.unnamed for joint in joints)
+        else "Nothing is missing: joints have plain friction,"
     )
+    return f"{opening} and links are as simulated but for {_show_share(most.link_change)} of the torque of {most.name}."
 
 
 def _show_share(part: float) -> str:

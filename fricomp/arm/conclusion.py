@@ -13,7 +13,6 @@ from fricomp.diagnosis.record.result import Quantity
 from .answer import ArmAnswer, TermEvidence
 from .brief import (
     list_doubts,
-    say_corrections,
     say_link,
     say_links,
     say_nothing_missing,
@@ -21,12 +20,14 @@ from .brief import (
     say_shared_causes,
     say_tilt,
     say_unexplained,
+    say_unnamed,
     say_what,
     show_quantity,
     write_summary,
 )
 from .comparison.links import describe_link, measure_link_change
 from .comparison.stated import list_stated, say_stated
+from .corrections import say_corrections
 from .elasticity import measure_stiffness
 from .fit import Z95, ArmFit
 from .friction import GEARS, TERMS
@@ -146,6 +147,7 @@ def _describe_joint(
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
         link_change=measure_link_change(found, joint),
         stated=list_stated(fit.arm, joint),
+        unnamed=answer.list_unnamed(joint),
     )
 
 
@@ -228,6 +230,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         *(one for one in doubts if one != opening),
         *say_corrections(record),
         *say_shared_causes(record.joints),
+        *say_unnamed(record.joints),
         *(_say_joint(joint) for joint in record.joints),
         *(say_link(link) for link in record.links if link.state == "off"),
         *say_stated(record.joints),

@@ -2,8 +2,8 @@
 
 A hand that guides the arm for a while, a contact, or a load that is picked up: the torques of most joints then leave
 what they rub with unexplained at the same time. Links and friction fitted to all of it would be of neither; so they
-are fitted to the half of the stretches that agree best with each other [maronna2019robust], and those that do not go with
-them are told and left out.
+are fitted to the half of the stretches that agree best with each other [maronna2019robust], and those that do not go
+with them are told and left out.
 """
 
 from __future__ import annotations
@@ -81,7 +81,10 @@ def find_guided(arm: SimulatedArm, recording: ArmRecording, settings: GuidedSett
     foreign = (left > settings.rubs * level) & (left > settings.louder * usual)
     guided = np.sum(foreign, axis=1) >= max(2, 0.5 * len(arm.joints))
     start, half = float(rows.time[0]), 0.5 * settings.stretch
-    spans = [(start + settings.stretch * k - half, start + settings.stretch * (k + 1) + half) for k in stretches[guided].tolist()]
+    spans = [
+        (start + settings.stretch * k - half, start + settings.stretch * (k + 1) + half)
+        for k in stretches[guided].tolist()
+    ]
     return _join(spans)
 
 
@@ -128,9 +131,7 @@ def _measure(
     """RMS of what is left of each joint in each stretch, and in those that are kept."""
     squares = fit.residuals(equations) ** 2 * equations.moving
     pairs = [(squares[:, j], equations.moving[:, j].astype(np.float64)) for j in range(squares.shape[1])]
-    sums, counts = (
-        np.stack([np.bincount(number, pair[k], kept.size) for pair in pairs], axis=1) for k in range(2)
-    )
+    sums, counts = (np.stack([np.bincount(number, pair[k], kept.size) for pair in pairs], axis=1) for k in range(2))
     left = np.where(counts >= fewest, np.sqrt(sums / np.maximum(counts, 1.0)), np.nan)
     usual = np.sqrt(np.sum(sums[kept], axis=0) / np.maximum(np.sum(counts[kept], axis=0), 1.0))
     return left, np.maximum(usual, 1e-12)

@@ -112,6 +112,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         link_change: What the links as found change of the joint's torque beside those of the simulation, as part of
             that torque; both RMS over the recording.
         stated: What the simulation states of "coulomb", "viscous" and "rotor_inertia", where that is not zero.
+        unnamed: Effects that its model and its files hold and that are not named, with the part by which each lowers
+            the joint's held-out error: the recording asks for them, and it is little, or not surely them.
     """
 
     name: str
@@ -128,6 +130,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     possible_spring: Quantity | None = None
     link_change: float = 0.0
     stated: dict[str, float] = {}
+    unnamed: dict[str, float] = {}
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):

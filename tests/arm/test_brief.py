@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fricomp.arm.brief import say_links, say_nothing_missing, say_unexplained, write_summary, write_title
+from fricomp.arm.brief import (
+    say_links,
+    say_nothing_missing,
+    say_unexplained,
+    say_unnamed,
+    write_summary,
+    write_title,
+)
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
@@ -125,3 +132,13 @@ def test_links_that_are_off_by_little_are_told_to_be() -> None:
     assert say_links((little, much)).startswith("Only links are off, by 3% of the torque of b at most")
     assert "by less than 1% of the torque of a" in say_links((little,))
     assert say_nothing_missing((little, much)).endswith("as simulated but for 3% of the torque of b.")
+
+
+def test_what_a_model_holds_without_a_name_is_told_with_how_little_it_is() -> None:
+    plain, bent = _joint("a", None), replace(_joint("b", None), unnamed={"quadratic_drag": 0.06})
+    assert say_unnamed((plain,)) == ()
+    assert "b quadratic_drag (6%)" in say_unnamed((plain, bent))[0]
+    assert "physics is missing in any" not in say_links((plain, bent))
+    assert "Nothing is missing" not in say_nothing_missing((plain, bent))
+    assert write_title(_record((plain, bent))).endswith("nothing is named")
+    assert any("quadratic_drag" in line for line in write_summary(_record((plain, bent)), "Nothing is named."))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.arm.brief import say_turned
+from fricomp.arm.corrections import say_turned
 from fricomp.arm.examination import examine_arm, match_recordings
 from fricomp.arm.search.frames import find_better_frames, find_torque_scales
 from fricomp.laws import FloatArray

@@ -53,9 +53,7 @@ def test_friction_is_that_of_the_arm_alone_where_a_hand_moved_it_for_a_while(tmp
 
 def test_times_count_from_the_start_of_the_recording(tmp_path: Path) -> None:
     simulation = write_arm(tmp_path)
-    later = [
-        one.with_channels(time=np.asarray(one.time) + 1e6) for one in guide(record_arm(simulation), 14.0, 26.0)
-    ]
+    later = [one.with_channels(time=np.asarray(one.time) + 1e6) for one in guide(record_arm(simulation), 14.0, 26.0)]
     ((first, _),) = match_recordings(later, simulation)[1].guided_from_start
     assert first == pytest.approx(14.0, abs=3.0)
 

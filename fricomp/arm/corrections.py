@@ -1,0 +1,67 @@
+"""What was taken to be otherwise than log and simulation have it, in words; from the record alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .record import ArmRecord, JointFrame
+
+__all__ = ["name_frame", "say_corrections", "say_gravity", "say_turned"]
+
+
+def say_corrections(record: ArmRecord) -> tuple[str, ...]:
+    """What was taken to be otherwise than log and simulation have it, before anything was fitted."""
+    degrees = "Positions were taken to be in degrees: only then does the simulation explain the torques."
+    return (
+        *((degrees,) if record.degrees else ()),
+        *say_gravity(record.gravity, record.frames_instead),
+        *say_turned(record.turned_torques),
+        *say_guided(record.guided),
+    )
+
+
+def say_guided(spans: Sequence[tuple[float, float]]) -> tuple[str, ...]:
+    """When something else than the drives moved the arm, if anything did."""
+    if not spans:
+        return ()
+    times = ", ".join(f"{first:.3g} to {last:.3g} s" for first, last in spans)
+    return (
+        f"At {times} something else than the drives moved or held the arm, such as a hand, a contact or a load that it "
+        "picked up: there the torques of half of the joints or more are off by more than half of their friction. That "
+        "time was left out.",
+    )
+
+
+def say_turned(joints: Sequence[str]) -> tuple[str, ...]:
+    """Whose torques were turned round, if any, and what follows for whoever uses the files."""
+    if not joints:
+        return ()
+    return (
+        f"The torque of {', '.join(joints)} was recorded with the opposite sign: positive torque accelerates towards "
+        "positive position. It was turned round first; a drive that takes its torques as they were recorded needs the "
+        "compensation with the opposite sign as well.",
+    )
+
+
+def say_gravity(gravity: Sequence[float] | None, frames: Sequence[JointFrame]) -> tuple[str, ...]:
+    """That gravity is another one than in the file, if it is, and what follows from that."""
+    if gravity is None:
+        return ()
+    if not any(gravity):
+        return (
+            "The torques have gravity taken off, as those of a controller that adds it by itself. So the simulation "
+            "was compared without it, arm.xml has none, and masses show by inertia alone: log whole torques if you "
+            "can.",
+        )
+    axes = ", ".join(f"{one:.3g}" for one in gravity)
+    alike = f" These torques would be the same with {'; '.join(map(name_frame, frames))}." if frames else ""
+    return (
+        f"The arm is mounted otherwise than in the simulation: by the torques, gravity is ({axes}) m/s² in its axes. "
+        f"It was taken so, and arm.xml has it so.{alike}",
+    )
+
+
+def name_frame(frame: JointFrame) -> str:
+    """How a joint would be read in another frame."""
+    position = ("q" if frame.direction > 0 else "-q") + (f" {frame.offset:+.4g} rad" if frame.offset else "")
+    return f"{frame.joint}, with position {position}{'' if frame.direction > 0 else ' and torque the other way'}"
