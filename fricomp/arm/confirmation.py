@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from fricomp.laws import FloatArray
 
 from .coordinates import ArmModel
-from .equations import ArmEquations, BoolArray, EquationSums
+from .equations import ArmEquations, EquationSums
 from .fit import ArmFit, fit_arm
 from .friction import PLAIN, JointForm
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
+from .row_weights import BoolArray
 from .rows import ArmRows
 from .search.ripple import RippleSearch
 

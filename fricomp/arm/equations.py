@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
-from fricomp.root_mean_square import compute_rms
 
 from .friction import (
     GEARS,
@@ -36,9 +36,8 @@ from .friction import (
     stribeck_columns,
 )
 from .rigid.simulated_arm import SimulatedArm
+from .row_weights import BoolArray, Weights, weigh_rows
 from .rows import ArmRows
-
-BoolArray = NDArray[np.bool_]
 
 N_LAST = 4
 """Columns behind those of friction: of gravity that leans over along two level axes, the torque's rate, the torque."""
@@ -48,37 +47,6 @@ _SLOW = 0.02
 
 _MOST_SLOW = 0.3
 """The same where the steps of an encoder would leave out more: then friction is known as badly as they say."""
-
-_HUBER = 3.0
-"""Standard deviations beyond which a row counts less: a push, or a reversal that the friction model does not hold."""
-
-_NEAR = 6
-"""Rows from a reversal over which the filters spread what happens there: one and a half periods of the cutoff."""
-
-_FEWEST = 20
-"""Rows from which a spread is measured."""
-
-_BLOCK_TIME = 1.0
-"""[s] of rows that may be wrong together: structure rings and friction creeps for less."""
-
-_MOST_INFLATION = 2.0
-"""Highest inflation of a joint, in the median of all. Links are shared: a joint that they fit badly errs for long at a
-time, would count for less, and be fitted still worse."""
-
-
-@dataclass(frozen=True)
-class Weights:
-    """How much rows count.
-
-    Attributes:
-        rows: Of each joint's rows, 0 to 1. Shape (n, n_joints).
-        noise: Standard deviation of a row of each joint [N·m]. Shape (n_joints,).
-        inflation: By how much rows that err together widen the variances of each joint; at least 1. Shape (n_joints,).
-    """
-
-    rows: FloatArray
-    noise: FloatArray
-    inflation: FloatArray
 
 
 @dataclass(frozen=True)
@@ -142,20 +110,21 @@ class ArmEquations:
 
     def with_lean(self, rows: ArmRows, inertia: FloatArray) -> ArmEquations:
         """The same with what leans with gravity weighing this: ten numbers of each link. Shape (n_links, 10)."""
-        columns = self.columns.copy()
-        columns[:, :, -N_LAST:-2] = np.swapaxes(rows.weigh_lean(inertia), 0, 1)
-        return replace(self, columns=columns)
+        width = int(self.columns.shape[2])
+        place = np.arange(width - N_LAST, width - 2)
+        return self._change([place] * len(self.columns), list(np.swapaxes(rows.weigh_lean(inertia), 0, 1)))
 
     def with_torque(self, rows: ArmRows) -> ArmEquations:
         """The same motion with the torques of these rows."""
-        changed = self._fill("delay", [-rate[:, None] for rate in rows.torque_rate.T])
-        changed.columns[:, :, -2], changed.columns[:, :, -1] = rows.torque_rate.T, rows.torque.T
-        return changed
+        width, delay = int(self.columns.shape[2]), self._friction + find_columns("delay").start
+        values = np.stack([-rows.torque_rate, rows.torque_rate, rows.torque], axis=2)
+        places = [np.array([delay, width - 2, width - 1])] * len(self.columns)
+        return self._change(places, list(np.swapaxes(values, 0, 1)))
 
     def with_ripple(self, rows: ArmRows, orders: FloatArray) -> ArmEquations:
         """The same with waves of these orders over the positions of the joints. Shape (n_joints,)."""
         waves = [ripple_columns(rows, j, order) * (order > 0.0) for j, order in enumerate(orders.tolist())]
-        return replace(self._fill("ripple", waves), ripple=orders)
+        return self._fill("ripple", waves, ripple=orders)
 
     def with_gears(self, filled: Filled, gears: FloatArray, torques: FloatArray) -> ArmEquations:
         """The same with these gears.
@@ -166,31 +135,41 @@ class ArmEquations:
             torques: By which the links ask more of each joint with the gear of each joint [N·m]. Shape (n, n_joints,
                 n_joints): of joint i with the gear of joint j.
         """
-        joints = range(len(gears))
-        changed = self._fill(filled, [torques[:, j, j : j + 1] for j in joints])
-        for i in joints:
-            for j in joints:
-                if i != j:
-                    place = find_reached(self._friction, i, j, len(gears), filled)
-                    changed.columns[i, :, place] = torques[:, i, j]
-        return replace(changed, gears={**self.gears, filled: gears})
+        joints, own = range(len(gears)), self._friction + find_columns(filled).start
+        places = [
+            np.array([own if i == j else find_reached(self._friction, i, j, len(gears), filled) for j in joints])
+            for i in joints
+        ]
+        return self._change(places, list(np.swapaxes(torques, 0, 1)), gears={**self.gears, filled: gears})
 
     def with_stribeck(self, rows: ArmRows, curves: FloatArray) -> ArmEquations:
         """The same with these Stribeck curves, as far as a joint can show them. Shape as `stribeck`."""
         top = self.top_speed[:, None]
         speeds = np.clip(curves[:, :, 0], LEAST_STRIBECK * top, MOST_STRIBECK * top)
         curves = np.stack([speeds, np.clip(curves[:, :, 1], *STRIBECK_EXPONENTS)], axis=2)
-        columns, first = self.columns.copy(), self._friction + find_columns("stribeck").start
-        size = len(TERMS["stribeck"].columns)
-        for j, k in np.argwhere(np.any(curves != self.stribeck, axis=2)).tolist():
-            columns[j, :, first + size * k : first + size * (k + 1)] = stribeck_columns(rows, j, *curves[j, k].tolist())
-        return replace(self, columns=columns, stribeck=curves)
+        first, size = self._friction + find_columns("stribeck").start, len(TERMS["stribeck"].columns)
+        places, values = [], []
+        for j, moved in enumerate(np.any(curves != self.stribeck, axis=2)):
+            changed = np.flatnonzero(moved)
+            places.append((first + size * changed[:, None] + np.arange(size)).ravel())
+            parts = [stribeck_columns(rows, j, *curves[j, k].tolist()) for k in changed]
+            values.append(np.concatenate(parts, axis=1) if parts else np.zeros((len(rows), 0)))
+        return self._change(places, values, stribeck=curves)
 
-    def _fill(self, filled: Filled, values: Sequence[FloatArray]) -> ArmEquations:
-        columns, place = self.columns.copy(), find_columns(filled)
-        for one, value in zip(columns, values, strict=True):
-            one[:, self._friction + place.start : self._friction + place.stop] = value
-        return replace(self, columns=columns)
+    def _fill(self, filled: Filled, values: Sequence[FloatArray], **fields: Any) -> ArmEquations:
+        place = find_columns(filled)
+        places = self._friction + np.arange(place.start, place.stop)
+        return self._change([places] * len(values), values, **fields)
+
+    def _change(self, places: Sequence[NDArray[np.intp]], values: Sequence[FloatArray], **fields: Any) -> ArmEquations:
+        """The same with other columns in some places of each joint; sums of the others are taken over."""
+        columns = self.columns.copy()
+        for one, place, value in zip(columns, places, values, strict=True):
+            one[:, place] = value
+        changed = replace(self, columns=columns, **fields)
+        if "sums" in self.__dict__:
+            changed.__dict__["sums"] = _update_sums(self.sums, columns, self.weights.rows, places)
+        return changed
 
     def with_residuals(
         self, residuals: FloatArray, rows: ArmRows, *, robust: bool = True, settled: bool = False
@@ -204,9 +183,7 @@ class ArmEquations:
             settled: Rows near a reversal of their joint count by what is left of such rows. A joint that sticks has no
                 sign of its velocity, and the filters spread that; but a model still to be chosen is chosen by them.
         """
-        most = _HUBER if robust else np.inf
-        near = _count_from_reversal(self.moving, rows.part) if settled else np.full(self.moving.shape, _NEAR + 1)
-        return replace(self, weights=_weigh(residuals, self.moving, near, rows, most))
+        return replace(self, weights=weigh_rows(residuals, self.moving, rows, robust=robust, settled=settled))
 
     def friction_of(self, joint: int, names: Sequence[str]) -> FloatArray:
         """Columns of a joint's friction by their names. Shape (n, len(names))."""
@@ -304,45 +281,12 @@ def _sum_rows(columns: FloatArray, weights: FloatArray) -> FloatArray:
     return np.stack([half.T @ half for half in halves])
 
 
-def _weigh(residuals: FloatArray, used: BoolArray, near: NDArray[np.intp], rows: ArmRows, most: float) -> Weights:
-    """Weights that hold outliers down [huber1964], and how much rows err together."""
-    far = used & (near > _NEAR)
-    far = np.where(np.sum(far, axis=0) >= _FEWEST, far, used)
-    noise = np.array([_measure_spread(r[u], most) for r, u in zip(residuals.T, far.T, strict=True)])
-    spread = np.tile(noise, (len(residuals), 1))
-    for distance in range(1, _NEAR + 1):
-        for j, here in enumerate((used & (near == distance)).T):
-            if np.sum(here) >= _FEWEST:
-                spread[here, j] = max(noise[j], _measure_spread(residuals[here, j], most))
-    outliers = np.minimum(1.0, most * spread / np.maximum(np.abs(residuals), 1e-300))
-    weights = np.where(used, outliers * (noise / spread) ** 2, 0.0)
-    inflation = np.array([_measure_inflation(score, rows) for score in (weights * residuals / noise).T])
-    return Weights(weights, noise, np.minimum(inflation, _MOST_INFLATION * float(np.median(inflation))))
-
-
-def _count_from_reversal(moving: BoolArray, part: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Rows to the nearest one in which the joint does not move, at most one more than count as near. Shape as given."""
-    near = np.where(moving, _NEAR + 1, 0)
-    for distance in range(1, _NEAR + 1):
-        before, after = np.zeros_like(moving), np.zeros_like(moving)
-        same = (part[1:] == part[:-1])[:, None]
-        before[1:], after[:-1] = (near[:-1] == distance - 1) & same, (near[1:] == distance - 1) & same
-        near = np.where((near > distance) & (before | after), distance, near)
-    return near
-
-
-def _measure_spread(values: FloatArray, most: float) -> float:
-    """Standard deviation of most rows, whatever the others are."""
-    if values.size == 0:
-        return 1.0
-    robust = max(float(np.median(np.abs(values))) / 0.6745, 1e-300)
-    return max(compute_rms(np.minimum(np.abs(values), most * robust)), 1e-12)
-
-
-def _measure_inflation(score: FloatArray, rows: ArmRows) -> float:
-    """How much more the sums of blocks stray than those of independent rows would; 1 where they do not."""
-    duration = sum(float(np.ptp(rows.time[rows.part == k])) for k in np.unique(rows.part))
-    length = max(1, round(_BLOCK_TIME * len(rows) / max(duration, 1e-9)))
-    sums = np.add.reduceat(score, np.arange(0, len(score), length))
-    total = float(score @ score)
-    return max(1.0, float(sums @ sums) / total) if total > 0.0 else 1.0
+def _update_sums(
+    sums: FloatArray, columns: FloatArray, weights: FloatArray, places: Sequence[NDArray[np.intp]]
+) -> FloatArray:
+    """G of each joint where only some columns changed: a tenth of the work where a few did. Shape as `sums`."""
+    result = sums.copy()
+    for one, Z, w, place in zip(result, columns, weights.T, places, strict=True):
+        products = Z.T @ (Z[:, place] * w[:, None])
+        one[:, place], one[place] = products, products.T
+    return result

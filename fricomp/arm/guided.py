@@ -19,10 +19,11 @@ from fricomp.recording import Recording
 
 from .arm_recording import ArmRecording
 from .coordinates import ArmModel
-from .equations import ArmEquations, BoolArray, build_equations
+from .equations import ArmEquations, build_equations
 from .fit import ArmFit, fit_arm
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
+from .row_weights import BoolArray
 from .rows import build_rows
 
 __all__ = ["find_guided", "leave_out_spans"]

@@ -11,11 +11,11 @@ import pytest
 from fricomp.arm import ArmExamination, build_friction_model, examine_arm
 from fricomp.arm.confirmation import without_term
 from fricomp.arm.coordinates import ArmModel, Coordinates
-from fricomp.arm.equations import _count_from_reversal
 from fricomp.arm.fit import fit_arm
 from fricomp.arm.friction import JointForm, stribeck_columns
 from fricomp.arm.glance import Glance
 from fricomp.arm.physics import find_reversed_term
+from fricomp.arm.row_weights import count_from_reversal
 from fricomp.arm.rows import _find_rate
 from fricomp.arm.search.stribeck import is_curve, suit_curve
 from fricomp.arm.uncertainty.averaging import average_friction
@@ -221,7 +221,7 @@ def test_rows_are_counted_from_where_a_joint_turns_and_not_over_a_gap() -> None:
     moving = np.ones((12, 1), dtype=bool)
     moving[3] = False
     part = np.array([0] * 6 + [1] * 6)
-    assert _count_from_reversal(moving, part)[:, 0].tolist() == [3, 2, 1, 0, 1, 2, 7, 7, 7, 7, 7, 7]
+    assert count_from_reversal(moving, part)[:, 0].tolist() == [3, 2, 1, 0, 1, 2, 7, 7, 7, 7, 7, 7]
 
 
 def test_a_direction_that_the_encoder_leaves_open_is_not_compared(tmp_path: Path) -> None:

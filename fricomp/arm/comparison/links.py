@@ -8,12 +8,12 @@ from fricomp.diagnosis.record.result import Quantity
 from fricomp.laws import FloatArray
 from fricomp.root_mean_square import compute_rms
 
-from ..equations import BoolArray
 from ..fit import Z95
 from ..identification import ArmIdentification
 from ..matter import LEAST_MATTER
 from ..record import LinkRecord, LinkState
 from ..rigid.inertia import N_INERTIA
+from ..row_weights import BoolArray
 
 _DETERMINED = 0.5
 """A link's mass counts as determined where the recording at least halves what was uncertain before."""

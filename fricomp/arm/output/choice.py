@@ -23,11 +23,11 @@ from fricomp.evaluation.settings import HORIZONS
 
 from ..answer import ArmAnswer
 from ..confirmation import without_terms
-from ..equations import BoolArray
 from ..fit import ArmFit, fit_arm
 from ..matter import LEAST_MATTER
 from ..prior import ArmPrior
 from ..record import ArmRecord, FileErrors, JointRecord
+from ..row_weights import BoolArray
 from .evaluation import FileTrial, compare_files, hold_out
 
 _NEARER = 0.3

@@ -16,10 +16,10 @@ from fricomp.model import FrictionModel
 
 from ..answer import ArmAnswer
 from ..confirmation import fit_plainly
-from ..equations import BoolArray
 from ..fit import ArmFit
 from ..friction_model import build_friction_model
 from ..record import FileErrors, PositionErrors
+from ..row_weights import BoolArray
 from .corrected_simulation import correct_simulation
 
 __all__ = ["FileTrial", "compare_files", "hold_out"]

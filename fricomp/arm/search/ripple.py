@@ -8,9 +8,10 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from ..equations import ArmEquations, BoolArray
+from ..equations import ArmEquations
 from ..fit import ArmFit
 from ..friction import LOWEST_RIPPLE
+from ..row_weights import BoolArray
 from ..rows import ArmRows
 
 _HIGHEST = 400.0
