@@ -184,6 +184,7 @@ def _move_curves(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: Arm
         if not np.any(np.abs(step) > _STILL):
             break
         most = _weigh_still(equations, fit, prior) if most is None else most
+        step = np.where(np.abs(step) > _STILL, step, 0.0)  # columns of curves that stand still are known
         moved = equations.with_stribeck(rows, equations.stribeck * np.exp(step))
         there = fit_arm(fit.arm, moved, fit.model, prior, fit)
         if (weight := _weigh_still(moved, there, prior)) > most:
