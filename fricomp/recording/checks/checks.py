@@ -20,6 +20,7 @@ from fricomp.recording.checks.motion_kind import (
 from fricomp.recording.checks.position_jumps import find_position_jumps
 from fricomp.recording.checks.position_unit import find_turns
 from fricomp.recording.checks.register import find_folded_torque, find_unsigned_torque
+from fricomp.recording.checks.sign_change import find_sign_change
 from fricomp.recording.checks.signal_checks import find_rest, find_spikes
 from fricomp.recording.checks.stuck import find_stuck
 from fricomp.recording.checks.timing_checks import (
@@ -67,6 +68,7 @@ _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other thing
     find_degrees,
     find_turns,
     find_velocity_mismatch,
+    find_sign_change,
     find_flipped_torque,
     find_flipped_reference,
     find_one_way,

@@ -46,10 +46,10 @@ def find_unit_change(recording: Recording) -> tuple[Finding, ...]:
             row, factor, meaning = change
             at = float(recording.time[row])
             message = (
-                f"{name} is {factor:.4g} times as large from {at:.6g} s on, in its values and in its steps, {meaning}: "
+                f"{name} is {factor:.4g} times as large from {at:.3f} s on, in its values and in its steps, {meaning}: "
                 "its unit changes"
             )
-            advice = f"take what is in one unit (--to {at:.6g} or --from {at:.6g}), or convert the other rows first"
+            advice = f"take what is in one unit (--to {at:.3f} or --from {at:.3f}), or convert the other rows first"
             return (Finding("unit_change", "error", message, advice, row + 1, name),)
     return ()
 

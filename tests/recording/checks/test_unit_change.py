@@ -26,7 +26,14 @@ def test_a_position_that_changes_its_unit_is_refused_with_the_time(part: float, 
     at = float(log.time[round(part * len(log))])
     (said,) = _changes(_switch(log, part, factor, "position", "velocity"))
     assert "position is" in said
-    assert f"--to {at:.6g}" in said
+    assert f"--to {at:.3f}" in said
+
+
+def test_the_time_is_told_to_the_row_where_stamps_are_those_of_the_day() -> None:
+    log = joint_log(20.0, 250.0, 3)
+    since_1970 = log.with_channels(time=np.asarray(log.time) + 1.7e9)
+    (said,) = _changes(_switch(since_1970, 0.5, 180.0 / np.pi, "position", "velocity"))
+    assert "--to 1700000010.000" in said
 
 
 def test_a_velocity_alone_that_changes_its_unit_is_told_as_well() -> None:
