@@ -1,7 +1,7 @@
 """Recordings of any file as they are to be written: read, chosen by their names, split into what is usable, checked."""
 
+from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as Names
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,8 +14,9 @@ from .conversion import NamedRecording, convert
 from .file import is_own, read_content
 from .finding import Finding
 from .mapping import Mapping, load_mapping, set_row_rate
-from .named.log import read_named_log
+from .named.log import NamedLog, read_named_log
 from .parts.parts import find_usable_parts
+from .recording import Recording
 from .resampling import resample_checked
 
 
@@ -77,9 +78,18 @@ def read_source(source: Path, intake: Intake) -> list[NamedRecording]:
         found = [NamedRecording(source.stem, *content)]
     else:
         log = read_named_log(source, intake.channels, row_rate=intake.row_rate)
-        told = tuple(Finding("named_columns", "note", note.rstrip("."), "--inspect tells why") for note in log.notes)
-        found = [NamedRecording(one.metadata.joint, one, told) for one in log.recordings]
+        joints = [one.metadata.joint for one in log.recordings]
+        found = [NamedRecording(one, *each) for one, each in zip(joints, _tell_each(source, log), strict=True)]
     return found if intake.rate is None else [_resample(named, intake.rate) for named in found]
+
+
+def _tell_each(source: Path, log: NamedLog) -> Iterator[tuple[Recording, tuple[Finding, ...]]]:
+    """The recordings of a log, each with what was noted on all of it and on its own joint."""
+    of_joint = {one.metadata.joint: f"{source.name}, {one.metadata.joint}: " for one in log.recordings}
+    for one in log.recordings:
+        others = tuple(start for joint, start in of_joint.items() if joint != one.metadata.joint)
+        notes = [note for note in log.notes if not note.startswith(others)]
+        yield one, tuple(Finding("named_columns", "note", note.rstrip("."), "--inspect tells why") for note in notes)
 
 
 def _resample(named: NamedRecording, rate: float) -> NamedRecording:

@@ -47,6 +47,7 @@ _JOINED = re.compile(
 WANTED: tuple[str, ...] = (
     *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired"),
     *("target", "targets", "goal", "goals", "setpoint", "setpoints", "soll", "set", "demand", "demanded", "consigne"),
+    *("action", "actions"),
     *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
     *("заданный", "заданная", "заданное", "задание", "уставка"),
 )
@@ -85,4 +86,4 @@ def count_known(names: list[str]) -> int:
 
 def says_asked_for(name: str) -> bool:
     """Whether a column or topic is called as what a joint was asked for: `q_ref`, `/arm/goal`, a policy's `action`."""
-    return any(word in (*WANTED, "action", "actions") for word, _ in split_words(name))
+    return any(word in WANTED for word, _ in split_words(name))

@@ -1,5 +1,6 @@
 """Which column of a log is which channel of which joint, by the names and by what the user says of them."""
 
+import os
 import re
 import shlex
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -62,7 +63,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
         for joint, own in wanted.items()
     }
     taken = {name for own in candidates.values() for found in own.values() for name, _ in found}
-    return {joint: _with_position(columns, own, taken) for joint, own in chosen.items()}
+    return _share_position(columns, {joint: _with_position(columns, own, taken) for joint, own in chosen.items()})
 
 
 def list_names(names: Iterable[str]) -> str:
@@ -172,11 +173,11 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
     """What a column is by what the user said of it."""
     for channel, wanted in channels.items():
         pattern = re.escape(wanted).replace(re.escape("{joint}"), "(.+)")
-        pattern = pattern if "{joint}" in wanted else f"{pattern}(?:[:_.\\[]?(\\d+)\\]?)?"
+        pattern = pattern if "{joint}" in wanted else f"{pattern}(?:[:_.\\[]?(\\d+)\\]?|\\.(.+))?"
         match = re.fullmatch(pattern, name)
         if match:
             meaning = read_column_name(name)
-            joint = match.group(1) or ""
+            joint = next(filter(None, match.groups()), "")
             if joint and "{joint}" not in wanted:  # of the columns beside it, `observation.effort:3`
                 joint = "_".join([*without_observation(wanted).split(".")[:-1], joint])
             said = find_unit_words(name, -1)
@@ -261,3 +262,28 @@ def _with_position(
     velocity, meaning = own["velocity"]
     column = find_position_by_rate(columns, velocity, taken) or INTEGRAL
     return {"position": (column, ColumnMeaning("position", meaning.joint, 0, "")), **own}
+
+
+def _share_position(columns: Mapping[str, Samples], chosen: Chosen) -> Chosen:
+    """Joints at rest, whose velocity tells no position, with that of the list in which another joint's was found.
+
+    `observation.state.wrist`, where `observation.velocity.elbow` is the rate of `observation.state.elbow`.
+    """
+    lists = dict[str, str]()
+    for own in chosen.values():
+        position, velocity = (own[channel][0] if channel in own else "" for channel in ("position", "velocity"))
+        same = len(os.path.commonprefix([position[::-1], velocity[::-1]]))
+        if same and position != INTEGRAL and own["position"][1].certainty == 0:
+            lists[velocity[:-same]] = position[:-same]
+    return {joint: own | _take_from_list(columns, own, lists) for joint, own in chosen.items()}
+
+
+def _take_from_list(
+    columns: Mapping[str, Samples], own: Mapping[str, tuple[str, ColumnMeaning]], lists: Mapping[str, str]
+) -> dict[str, tuple[str, ColumnMeaning]]:
+    """The position of a joint in the list that goes with that of its velocity; empty where it has one, or none is."""
+    if "position" not in own or own["position"][0] != INTEGRAL:
+        return {}
+    velocity = own["velocity"][0]
+    found = [to + velocity[len(rate) :] for rate, to in lists.items() if velocity.startswith(rate)]
+    return {"position": (name, own["position"][1]) for name in found[:1] if name in columns}

@@ -17,13 +17,16 @@ _LISTED_NAME = re.compile(r"[^\s,;'\"\[\]()]+")
 
 
 def drop_numbered_twins(columns: dict[str, Samples]) -> dict[str, Samples]:
-    """The columns without `position:2` where names that stand beside have told its entries apart: `elbow.position`."""
+    """The columns without `position:2` where names that stand beside have told its entries apart: `elbow.position`,
+    `position.elbow`."""
     numbered = Counter(base for base, _, number in (name.rpartition(":") for name in columns) if number.isdigit())
 
     def count_told(base: str) -> int:
         path, _, last = base.rpartition(".")
+        below = sum(name.startswith(f"{base}.") for name in columns)
         own = [name for name in columns if not name.startswith(f"{base}.")]
-        return sum((name.endswith(f".{last}") and name.startswith(path)) or name.endswith(f".{base}") for name in own)
+        before = sum((name.endswith(f".{last}") and name.startswith(path)) or name.endswith(f".{base}") for name in own)
+        return below or before
 
     twins = {base for base, count in numbered.items() if count_told(base) == count}
     return {name: values for name, values in columns.items() if name.rpartition(":")[0] not in twins}
