@@ -5,6 +5,7 @@ from pathlib import Path
 
 from fricomp.recording.named.choice import INTEGRAL
 from fricomp.recording.named.clock import AT_RATE, PARTS_OF_SECONDS, says_steps
+from fricomp.recording.named.column import ColumnMeaning
 from fricomp.recording.named.log import NamedLog
 from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.sources import is_text
@@ -40,7 +41,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         table = "" if len(joints) == 1 else "channels."
         lines += [] if len(joints) == 1 else ["", "[[joints]]", f"name = {_quote(name)}"]
         own = ((channel, *source) for channel, source in columns.items() if channel != "time")
-        lines += [table + _rule(channel, column, one.unit, layout) for channel, column, one in own]
+        lines += [table + _rule(channel, column, one.unit, layout, *_scale(one)) for channel, column, one in own]
         if metadata.torque_unit == "A" and "torque" in columns:
             column, meaning = columns["torque"]
             rule = f"torque = {{ column = {render_column(column, layout)}, scale = 0.1 }}"
@@ -77,6 +78,10 @@ def describe_source(path: Path, layout: TextLayout | None) -> list[str]:
     if layout.decimal == ",":
         return [*lines, 'decimal = ","  # "." where numbers have points']
     return lines if layout.delimiter == "," else [*lines, 'decimal = "."']
+
+
+def _scale(meaning: ColumnMeaning) -> list[str]:
+    return [] if meaning.scale == 1.0 else [f"scale = {meaning.scale!r}"]
 
 
 def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more: str) -> str:

@@ -1,6 +1,5 @@
 """Which column of a log is which channel of which joint, by the names and by what the user says of them."""
 
-import os
 import re
 import shlex
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -26,6 +25,7 @@ from .column import (
 )
 from .position_by_rate import find_position_by_rate
 from .shared_rest import read_currents, read_shared_rests
+from .two_encoders import pair_encoders
 from .vendor import read_vendor_name, with_vendor_unit
 
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
@@ -86,7 +86,7 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
     known = {
         name: meaning for name in columns if (meaning := read_vendor_name(name, columns) or read_column_name(name))
     }
-    known |= read_shared_rests(columns)
+    known = pair_encoders(known | read_shared_rests(columns))
     known |= read_currents(columns, known) | asked
     _refuse_repeated(path, known, channels)
     known = {name: meaning for name, meaning in known.items() if name in asked or not _REPEATED.search(name)}
@@ -272,7 +272,7 @@ def _share_position(columns: Mapping[str, Samples], chosen: Chosen) -> Chosen:
     lists = dict[str, str]()
     for own in chosen.values():
         position, velocity = (own[channel][0] if channel in own else "" for channel in ("position", "velocity"))
-        same = len(os.path.commonprefix([position[::-1], velocity[::-1]]))
+        same = next((k for k, (a, b) in enumerate(zip(position[::-1], velocity[::-1], strict=False)) if a != b), 0)
         if same and position != INTEGRAL and own["position"][1].certainty == 0:
             lists[velocity[:-same]] = position[:-same]
     return {joint: own | _take_from_list(columns, own, lists) for joint, own in chosen.items()}
@@ -286,4 +286,4 @@ def _take_from_list(
         return {}
     velocity = own["velocity"][0]
     found = [to + velocity[len(rate) :] for rate, to in lists.items() if velocity.startswith(rate)]
-    return {"position": (name, own["position"][1]) for name in found[:1] if name in columns}
+    return {"position": (found[0], own["position"][1])} if found and found[0] in columns else {}

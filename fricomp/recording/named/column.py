@@ -85,12 +85,14 @@ class ColumnMeaning:
         certainty: How surely the name says that it was measured, from 0.
         unit: Name of its unit; empty where it is that of SI, or not said; `RAW_UNIT` where it is that of a device,
             `UNKNOWN_UNIT` where it is one that nobody here knows.
+        scale: What its numbers are multiplied by behind their unit.
     """
 
     channel: str
     joint: str
     certainty: int
     unit: str
+    scale: float = 1.0
 
 
 def read_column_name(name: str) -> ColumnMeaning | None:
@@ -176,7 +178,7 @@ def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:
 def _find_units(name: str, word: tuple[str, tuple[int, int]]) -> list[UnitWord]:
     """The units that a name states behind the word of its quantity."""
     said = find_unit_words(name, word[1][0])
-    if word[0] in _ANGLES:  # theta_m is a motor's, and not in metres
+    if word[0] in _ANGLES or WORDS.get(word[0]) == "torque":  # theta_m and tau_m are a motor's, and not in metres
         return [one for one in said if one.text not in ("m", "mm")]
     return said
 
@@ -187,6 +189,8 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
     if word == "id" and k + 1 < len(words) and words[k + 1][0].isdigit():
         return "number"  # of the motor, as a bus calls it
     if _is_q_axis(k, words) or (word == "axis" and k and _is_q_axis(k - 1, words)):
+        return "number"
+    if word == "q" and k == at + 1 and words[at][0] == "i":  # of i_q
         return "number"
     if word in (*_NO_CHANNEL, *_SWITCHES):
         return "outside"

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from .column import ColumnMeaning
 
 GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
+_WHOLE = 2e-3
+"""Part by which a ratio may miss a whole number that it is taken for: a gear that twists under gravity bends its slope."""
 _FOLLOWS = 0.9
 """Part of the power of a motor's velocity that follows the joint's position, from which on its gear is told by them."""
 
@@ -31,7 +34,32 @@ def find_gear(recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]
 
 
 def _is_of_motor(channel: str, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
-    return re.search("motor|rotor", own[channel][0], re.IGNORECASE) is not None
+    return re.search("motor|rotor|_m$", own[channel][0], re.IGNORECASE) is not None
+
+
+def bring_to_joint(
+    path: Path, recording: Recording, ratio: float, own: dict[str, tuple[str, ColumnMeaning]]
+) -> tuple[Recording, list[str]]:
+    """The recording with its motor's position on the joint's side of the gear, and what to write of it.
+
+    Args:
+        path: Of the file, for messages.
+        recording: With a motor's position as it was logged.
+        ratio: Turns of the motor a turn of the joint.
+        own: Column and meaning of the joint by channel; the motor's gets its scale.
+    """
+    if recording.motor_position is None or abs(ratio) < GEARED:
+        return recording, []
+    whole = float(round(ratio))
+    ratio = whole if abs(ratio - whole) < _WHOLE * abs(ratio) else ratio
+    name, meaning = own["motor_position"]
+    own["motor_position"] = name, replace(meaning, scale=1.0 / ratio)
+    note = (
+        f"{path.name}: {name!r} moves {ratio:.5g} times as far as the joint and was divided by that; where the gear is "
+        f"known closer, write motor_position = {{ column = {name!r}, scale = 1/RATIO }} with the number worked out in a "
+        "mapping."
+    )
+    return recording.with_channels(motor_position=np.asarray(recording.motor_position) / ratio), [note]
 
 
 def say_gear(path: Path, ratio: float, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:

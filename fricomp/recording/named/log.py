@@ -22,7 +22,7 @@ from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import explain_unit, find_rating_parts, refuse_axis
-from .gear import GEARED, find_gear, say_gear
+from .gear import GEARED, bring_to_joint, find_gear, say_gear
 from .missing import explain_missing
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_first_lines, read_named_columns
@@ -144,6 +144,8 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
             kept = {name: values for name, values in recording.channels.items() if name != "velocity"}
             recording = Recording.from_channels(kept, recording.metadata)
             notes.append(f"{path.name}: {own.pop('velocity')[0]!r} is that of the motor, and was left out.")
+        recording, of_motor = bring_to_joint(path, recording, ratio, own)
+        notes += of_motor
         findings += found
         recordings.append(mark_assumed(recording, own))
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}

@@ -12,8 +12,7 @@ import pytest
 from fricomp.recording.file import read_content
 from fricomp.recording.intake import Intake, read_source
 from fricomp.recording.named.log import read_named_log
-
-from ..joint_log import joint_log
+from fricomp.sim_bench.studies.logs.good_log import joint_log
 
 pyarrow = pytest.importorskip("pyarrow")
 JOINTS = ["waist", "elbow"]
