@@ -31,7 +31,9 @@ def find_sign_change(recording: Recording) -> tuple[Finding, ...]:
     if not turns or not _has_turning_friction(recording, motion, torque, spans):
         return ()
     at, first, last = ", ".join(f"{time:.3f}" for time in times), times[0], times[-1]
-    message = f"torque turns its sign at {at} s: friction brakes the motion on one side of it and drives it on the other"
+    message = (
+        f"torque turns its sign at {at} s: friction brakes the motion on one side of it and drives it on the other"
+    )
     advice = (
         f"take what has one sign (--to {first:.3f} or --from {last:.3f}; where that is refused as flipped, with sign = "
         "-1 in a mapping), or turn the other rows first"

@@ -20,6 +20,7 @@ from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 from .choice import INTEGRAL, TORQUES, choose_columns
 from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint
+from .current_size import say_current_size
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import explain_unit, find_rating_parts, refuse_axis
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
@@ -154,6 +155,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     first = recordings[0].metadata
     if first.torque_unit == "A":
         notes += say_torque_constant(path, columns, sources[first.joint]["torque"][0])
+        notes += say_current_size(path, recordings[0], sources[first.joint])
     notes.append(_say_columns(path, recordings, sources))
     notes += _say_missing_unit(path, recordings[0], sources[recordings[0].metadata.joint])
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))

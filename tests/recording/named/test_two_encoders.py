@@ -28,7 +28,9 @@ def _only(log: NamedLog) -> Recording:
     return recording
 
 
-@pytest.mark.parametrize("names", ["theta_m,theta_l,i_q", "q_m,q_l,iq", "theta_motor,theta_link,iq_meas", "thM,thL,i_q"])
+@pytest.mark.parametrize(
+    "names", ["theta_m,theta_l,i_q", "q_m,q_l,iq", "theta_motor,theta_link,iq_meas", "thM,thL,i_q"]
+)
 @pytest.mark.parametrize("ratio", [1.0, 50.0, -99.6])
 def test_one_position_is_of_the_motor_and_one_of_the_link(names: str, ratio: float, tmp_path: Path) -> None:
     names = names.replace("thM", "angleM").replace("thL", "angleL")

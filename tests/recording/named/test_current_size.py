@@ -1,0 +1,27 @@
+"""A current as large as one in milliamperes is asked about where its name states no unit, and only there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.recording.named.log import read_named_log
+from fricomp.sim_bench.studies.logs.good_log import joint_log
+
+LOG = joint_log(10.0, 200.0, 8)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "is_asked"),
+    [("current", 400.0, True), ("iq", 900.0, True), ("current", 8.0, False), ("current_mA", 400.0, False)],
+)
+def test_a_current_too_large_for_a_joint_raises_the_question_of_its_unit(
+    name: str, factor: float, is_asked: bool, tmp_path: Path
+) -> None:
+    rows = np.column_stack([LOG.time, LOG.position, factor * LOG.torque])
+    path = tmp_path / "log.csv"
+    np.savetxt(path, rows, delimiter=",", header=f"time,position,{name}", comments="", fmt="%.7f")
+    asked = [note for note in read_named_log(path).notes if 'unit = "mA"' in note]
+    assert bool(asked) is is_asked
