@@ -26,9 +26,9 @@ def say_current_size(path: Path, recording: Recording, own: Mapping[str, tuple[s
     most = float(np.quantile(np.abs(recording.torque), 0.99))
     if recording.metadata.torque_unit != "A" or meaning.unit or find_unit_words(column, -1) or most < _LARGE:
         return []
+    line = f'torque = {{ column = "{column}", unit = "mA" }}'
     return [
-        f"{path.name}: {column!r} reaches {most:.3g} and names no unit: it was taken as A, and few joints draw as much. If "
-        "it is in mA, friction and inertia come out 1000 times too large: write torque = { column = "
-        f'{column!r}, unit = "mA" }} in a mapping, or call it {column}_mA. In units of a drive, write scale in place of '
-        "unit."
+        f"{path.name}: {column!r} reaches {most:.3g} and names no unit: it was taken as A, and few joints draw as much. "
+        f"If it is in mA, friction and inertia come out 1000 times too large: write {line} in a mapping, or call it "
+        f"{column}_mA. In units of a drive, write scale in place of unit."
     ]

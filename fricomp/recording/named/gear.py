@@ -14,7 +14,7 @@ from .column import ColumnMeaning
 GEARED = 1.5
 """Motor turns a turn of the joint from which on there is a gear between them."""
 _WHOLE = 2e-3
-"""Part by which a ratio may miss a whole number that it is taken for: a gear that twists under gravity bends its slope."""
+"""Part by which a ratio may miss a whole number that it is taken for: a gear that twists under gravity bends it."""
 _FOLLOWS = 0.9
 """Part of the power of a motor's velocity that follows the joint's position, from which on its gear is told by them."""
 
@@ -55,8 +55,8 @@ def bring_to_joint(
     name, meaning = own["motor_position"]
     own["motor_position"] = name, replace(meaning, scale=1.0 / ratio)
     note = (
-        f"{path.name}: {name!r} moves {ratio:.5g} times as far as the joint and was divided by that; where the gear is "
-        f"known closer, write motor_position = {{ column = {name!r}, scale = 1/RATIO }} with the number worked out in a "
+        f"{path.name}: {name!r} moves {ratio:.5g} times as far as the joint and was divided by that; where the ratio is "
+        f"known better, write motor_position = {{ column = {name!r}, scale = 1/RATIO }} with the number worked out in a "
         "mapping."
     )
     return recording.with_channels(motor_position=np.asarray(recording.motor_position) / ratio), [note]

@@ -1,4 +1,4 @@
-"""A motor and its link, told apart by the last letter or word: `theta_m` beside `theta_l`, `q_motor` beside `q_link`."""
+"""A motor and its link, told apart by a last letter or word: `theta_m` by `theta_l`, `q_motor` by `q_link`."""
 
 import re
 from collections.abc import Mapping

@@ -29,11 +29,10 @@ def _only(log: NamedLog) -> Recording:
 
 
 @pytest.mark.parametrize(
-    "names", ["theta_m,theta_l,i_q", "q_m,q_l,iq", "theta_motor,theta_link,iq_meas", "thM,thL,i_q"]
+    "names", ["theta_m,theta_l,i_q", "q_m,q_l,iq", "theta_motor,theta_link,iq", "angleM,angleL,i_q"]
 )
 @pytest.mark.parametrize("ratio", [1.0, 50.0, -99.6])
 def test_one_position_is_of_the_motor_and_one_of_the_link(names: str, ratio: float, tmp_path: Path) -> None:
-    names = names.replace("thM", "angleM").replace("thL", "angleL")
     path = _write(tmp_path, names, ratio * LOG.position, LOG.position, LOG.torque / 0.2)
     recording = _only(read_named_log(path))
     assert recording.position == pytest.approx(LOG.position, abs=1e-8)
