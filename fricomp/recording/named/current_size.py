@@ -28,7 +28,7 @@ def say_current_size(path: Path, recording: Recording, own: Mapping[str, tuple[s
         return []
     line = f'torque = {{ column = "{column}", unit = "mA" }}'
     return [
-        f"{path.name}: {column!r} reaches {most:.3g} and names no unit: it was taken as A, and few joints draw as much. "
+        f"{path.name}: {column!r} reaches {most:.3g} and names no unit: it was taken as A, and few joints draw that. "
         f"If it is in mA, friction and inertia come out 1000 times too large: write {line} in a mapping, or call it "
         f"{column}_mA. In units of a drive, write scale in place of unit."
     ]

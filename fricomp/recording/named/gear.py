@@ -55,9 +55,9 @@ def bring_to_joint(
     name, meaning = own["motor_position"]
     own["motor_position"] = name, replace(meaning, scale=1.0 / ratio)
     note = (
-        f"{path.name}: {name!r} moves {ratio:.5g} times as far as the joint and was divided by that; where the ratio is "
-        f"known better, write motor_position = {{ column = {name!r}, scale = 1/RATIO }} with the number worked out in a "
-        "mapping."
+        f"{path.name}: {name!r} moves {ratio:.5g} times as far as the joint and was divided by that; where the ratio "
+        f"is known better, write motor_position = {{ column = {name!r}, scale = 1/RATIO }} with the number worked out "
+        "in a mapping."
     )
     return recording.with_channels(motor_position=np.asarray(recording.motor_position) / ratio), [note]
 
