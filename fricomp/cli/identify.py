@@ -34,9 +34,6 @@ table_option = option_under("Of a table")
 friction_option = option_under("Friction")
 recording_option = option_under("Of a recording")
 
-EXIT_NOT_USABLE = 1
-"""Exit status where everything was written, and the model is one that compensator and exports refuse."""
-
 
 @app.command(
     epilog="fricomp identify points.csv --out runs/joint_1\n\n"
@@ -158,11 +155,12 @@ def identify(
 
 def _end(found: Identification, written: Sequence[Path], out: Path, *, open_report: bool) -> None:
     """Say what was found, and exit with a status of its own where the model is not usable."""
+    from fricomp.cli.parameter_table import end_as_usable
+
     answer(_as_answer(found, written))
     _print(found, written)
     open_page(out / "report.html", wanted=open_report)
-    if not found.is_usable:
-        raise typer.Exit(EXIT_NOT_USABLE)
+    end_as_usable(usable=found.is_usable)
 
 
 def _read(file: Path, arm: ArmOptions, joint: str | None, cut: Cut) -> Recording:

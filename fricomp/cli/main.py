@@ -82,8 +82,8 @@ def _options(
 def run() -> None:
     """Entry point of `fricomp`; exits with 0, 2 (error), 130 (interrupted), or 1.
 
-    1 means that everything was done and the answer is no: `identify` (not usable), `diagnose` (bad data), `check-loop`
-    (not safe), `adapter check` (a step failed), `bench adapters` (a target was missed).
+    1 means that everything was done and the answer is no: `identify`, `calibrate` (not usable), `diagnose` (bad
+    data), `check-loop` (not safe), `adapter check` (a step failed), `bench adapters` (a target was missed).
     """
     warnings.formatwarning = _format_warning
     try:

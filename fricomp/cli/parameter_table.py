@@ -2,6 +2,7 @@
 
 from math import isfinite
 
+import typer
 from rich.console import Console
 
 from fricomp.calibration.identification import IdentificationResult, Status
@@ -12,11 +13,29 @@ from fricomp.overview import format_with_reach
 _APART = 0.25
 """By how much of its half an interval may differ from that by profile likelihood, and still be called symmetric."""
 
+EXIT_NOT_USABLE = 1
+"""Exit status where everything was written, and the model is one that compensator and exports refuse."""
+
+
+def is_usable(result: IdentificationResult) -> bool:
+    """Whether compensator and exports take the model."""
+    return find_doubt_in_status(result.status, "") is None
+
+
+def end_as_usable(*, usable: bool) -> None:
+    """Exit with a status of its own where the model is not usable.
+
+    Raises:
+        Exit: It is not.
+    """
+    if not usable:
+        raise typer.Exit(EXIT_NOT_USABLE)
+
 
 def print_verdict(screen: Console, result: IdentificationResult) -> None:
     """Whether the model can be used, and why not, in the first line of an answer."""
     said = f"{result.status}: {result.message}"
-    if find_doubt_in_status(result.status, "") is not None:
+    if not is_usable(result):
         screen.print(f"NOT USABLE, {said}", style="bold red", markup=False)
     elif result.status is Status.CONVERGED:
         screen.print(f"Usable, {said}", markup=False)

@@ -36,7 +36,7 @@ from fricomp.cli.calibration.resume import changes, refuse_other
 from fricomp.cli.option.motion_log import log_calibration
 from fricomp.cli.option.page import open_page, watching
 from fricomp.cli.output import answer, say_interrupted
-from fricomp.cli.parameter_table import parameter_table, print_verdict
+from fricomp.cli.parameter_table import end_as_usable, is_usable, parameter_table, print_verdict
 from fricomp.cli.terminal import console, progress
 from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import AdapterError, SweepAborted
@@ -71,11 +71,13 @@ def start_run(request: CalibrationRequest, out: Path, shown: Shown = _UNSEEN, *,
         calibration, folder = record_sweep(
             request, out, overwrite=overwrite, progress=begun(follow(bar, feed)), watch=feed
         )
-        _write(calibration, folder, bar, shown)
+        usable = _write(calibration, folder, bar, shown)
+    end_as_usable(usable=usable)
 
 
 def _watching(request: CalibrationRequest, shown: Shown) -> AbstractContextManager[LiveFeed | None]:
-    title = f"Calibration of joint {request.joint or 'number 1'} ({request.backend})"
+    whose = f" of joint {request.joint}" if request.joint else ""
+    title = f"Calibration{whose} ({request.backend})"
     return watching(title, live=shown.live, opened=shown.opened)
 
 
@@ -102,7 +104,8 @@ def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()
     with _watching(folder.request, shown) as feed, progress() as bar, _interruptible(out) as begun:
         with open_joint(folder.request, feed) as context:
             calibration = calibrate(context, folder, folder.request.options, begun(follow(bar, feed)))
-        _write(calibration, folder, bar, shown)
+        usable = _write(calibration, folder, bar, shown)
+    end_as_usable(usable=usable)
 
 
 def _no_going_on(folder: RunFolder) -> str:
@@ -207,11 +210,12 @@ def _identify_again(folder: RunFolder, shown: Shown) -> None:
     """Identify what is on disk; no joint is opened."""
     with progress() as bar:
         follow(bar)("identifying", 0.0)
-        _write(identify_recorded(folder, folder.request.options), folder, bar, shown)
+        usable = _write(identify_recorded(folder, folder.request.options), folder, bar, shown)
+    end_as_usable(usable=usable)
 
 
-def _write(calibration: Calibration, folder: RunFolder, bar: Bar, shown: Shown) -> None:
-    """Model, network, report and run.json, and what they say in short."""
+def _write(calibration: Calibration, folder: RunFolder, bar: Bar, shown: Shown) -> bool:
+    """Model, network, report and run.json, and what they say in short; whether the model is usable."""
     bar.update(bar.task_ids[0], description="writing the report", completed=0.0)
     run = write_run(calibration, folder)
     log_calibration(shown.log, calibration)
@@ -226,6 +230,7 @@ def _write(calibration: Calibration, folder: RunFolder, bar: Bar, shown: Shown) 
     deviations = result.standard_deviations
     answer(
         {
+            "usable": is_usable(result),
             "status": str(result.status),
             "message": result.message,
             "joint": result.model.joint,
@@ -245,6 +250,7 @@ def _write(calibration: Calibration, folder: RunFolder, bar: Bar, shown: Shown) 
     names = ", ".join(file.name for file in run.files)
     screen.print(Text.assemble("In ", (str(folder.path), "bold"), f": {names}, {len(run.pictures)} pictures"))
     open_page(folder.path / "report.html", wanted=shown.opened)
+    return is_usable(result)
 
 
 def follow(bar: Bar, feed: LiveFeed | None = None) -> Progress:

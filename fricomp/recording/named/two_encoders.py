@@ -18,7 +18,8 @@ def pair_encoders(known: Mapping[str, ColumnMeaning]) -> dict[str, ColumnMeaning
 
     The velocity is the link's. Of two torques the motor's is the torque, and the link's what it transmits to the load.
     """
-    motors, links = {}, {}
+    motors = dict[str, tuple[str, str]]()
+    links = dict[str, tuple[str, str]]()
     for name, meaning in known.items():
         side = _SIDE.match(name)
         if side is not None:

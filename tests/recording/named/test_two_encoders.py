@@ -44,8 +44,8 @@ def test_one_position_is_of_the_motor_and_one_of_the_link(names: str, ratio: flo
 
 def test_of_two_torques_the_motors_acts_and_the_links_is_its_load(tmp_path: Path) -> None:
     path = _write(
-        tmp_path, "theta_m,theta_l,omega_m,tau_m,tau_l", 20.0 * LOG.position, LOG.position, 20.0 * LOG.velocity,
-        LOG.torque / 20.0, 0.9 * LOG.torque,
+        tmp_path, "theta_m,theta_l,omega_m,tau_m,tau_l", 20.0 * LOG.position, LOG.position,
+        20.0 * np.asarray(LOG.velocity), LOG.torque / 20.0, 0.9 * LOG.torque,
     )  # fmt: skip
     log = read_named_log(path)
     recording = _only(log)
