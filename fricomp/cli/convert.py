@@ -44,7 +44,9 @@ docs/recordings.md says what a mapping file holds.
 
 @app.command(epilog=_EPILOG)
 def convert(
-    source: Annotated[Path, typer.Argument(help="MAT, NPZ, NPY, JSON, CSV, text, Parquet, binary, MCAP or rosbag2.")],
+    source: Annotated[
+        Path, typer.Argument(help="MAT, HDF5, NPZ, NPY, JSON, CSV, text, Parquet, binary, MCAP or rosbag2.")
+    ],
     out: Annotated[
         Path | None, typer.Option(help="CSV or Parquet file; several recordings add their names to it.")
     ] = None,

@@ -27,7 +27,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS
 from fricomp.untrusted import convert_table, parse_toml, read_whole
 
-Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2", "parquet"]
+Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2", "parquet", "hdf5"]
 Column = Annotated[int, Meta(ge=1)] | str
 _Positive = Annotated[float, Meta(gt=0.0)]
 _FOLDER = Path(__file__).parent / "mappings"

@@ -1,5 +1,6 @@
 """`fricomp calibrate` as a user runs it, and as it goes wrong."""
 
+import json
 import resource
 import signal
 import subprocess
@@ -364,3 +365,15 @@ def test_the_log_of_a_sweep_holds_its_motion_and_what_the_model_leaves(tmp_path:
     moving = np.abs(columns["joint.velocity"]) > 0.2
     friction, left = np.abs(columns["joint.model"][moving]), np.abs(columns["joint.residual"][moving])
     assert np.median(left) < 0.1 * np.median(friction)
+
+
+def test_a_model_that_is_not_usable_ends_with_a_status_of_its_own(tmp_path: Path) -> None:
+    fast = ["--speeds", "1.1,1.2,1.3,1.4,1.5", "--repeats", "1", "--dwell", "0.4", "--warm-up", "0.5"]
+    out = tmp_path / "run"
+    result = CliRunner().invoke(app, ["calibrate", *fast, "--method", "least_squares", "--json", "--out", str(out)])
+    assert result.exit_code == 1, result.output
+    assert json.loads(result.stdout)["usable"] is False
+    assert (out / "friction.json").exists()
+    again = CliRunner().invoke(app, ["calibrate", "--resume", "--out", str(out)])
+    assert again.exit_code == 1, again.output
+    assert "NOT USABLE" in again.output

@@ -14,6 +14,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns, Contents, flatten_arrays
+from fricomp.recording.sources.hdf5_file import is_hdf5, read_hdf5
 from fricomp.recording.sources.json_table import tabulate
 from fricomp.recording.sources.mat_file import read_variables
 from fricomp.untrusted import find_size_limit, parse_json
@@ -25,12 +26,14 @@ _OWN = "fricomp."
 
 
 def read_mat(path: Path, source: Source) -> Columns:
-    """Read a MATLAB file up to version 7; the fields of a structure are named with dots.
+    """Read a MATLAB file; the fields of a structure are named with dots.
 
     Raises:
-        MissingExtraError: scipy is not installed.
-        RecordingError: The file is damaged, or of version 7.3.
+        MissingExtraError: scipy is not installed, or h5py, which reads version 7.3.
+        RecordingError: The file is damaged.
     """
+    if is_hdf5(path):
+        return read_hdf5(path, source).columns
     try:
         _require_content(path, _measure_mat(path))
     except zlib.error as error:

@@ -8,6 +8,7 @@ from fricomp.errors import FricompError, RecordingError
 from fricomp.recording.mapping import Column, Format, Source
 from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
 from fricomp.recording.sources.columns import Columns, Contents
+from fricomp.recording.sources.hdf5_file import read_hdf5
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
 from fricomp.recording.sources.table import read_table
 from fricomp.recording.sources.text import read_text
@@ -22,7 +23,11 @@ _READERS: dict[Format, Callable[[Path, Source], Columns]] = {
     "mcap": read_mcap,
     "rosbag2": read_rosbag,
 }
-_READERS_OF_WORDS: dict[Format, Callable[[Path, Source], Contents]] = {"json": read_json, "parquet": read_table}
+_READERS_OF_WORDS: dict[Format, Callable[[Path, Source], Contents]] = {
+    "json": read_json,
+    "parquet": read_table,
+    "hdf5": read_hdf5,
+}
 _SUFFIXES: dict[str, Format] = {
     ".csv": "text",
     ".txt": "text",
@@ -31,6 +36,9 @@ _SUFFIXES: dict[str, Format] = {
     ".mat": "mat",
     ".npz": "npz",
     ".npy": "npy",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".hdf": "hdf5",
     ".json": "json",
     ".jsonl": "json",
     ".ndjson": "json",
@@ -45,7 +53,7 @@ _SUFFIXES: dict[str, Format] = {
     ".ipc": "parquet",
 }
 _ELSEWHERE = {
-    ".xlsx": "a spreadsheet", ".xls": "a spreadsheet", ".ods": "a spreadsheet", ".h5": "HDF5", ".hdf5": "HDF5",
+    ".xlsx": "a spreadsheet", ".xls": "a spreadsheet", ".ods": "a spreadsheet",
     ".db": "a data base", ".sqlite": "a data base", ".sqlite3": "a data base",
     ".blf": "frames of a bus", ".trc": "frames of a bus",
     ".pkl": "a pickle, which runs code", ".pickle": "a pickle, which runs code",
@@ -135,9 +143,8 @@ def _guess_format(path: Path) -> Format:
     if path.suffix.lower() not in _SUFFIXES:
         if is_text(path):
             return "text"
-        raise RecordingError(
-            f"{path.name}: unknown suffix; name the format in the mapping: text, {', '.join(_READERS)}"
-        )
+        known = ", ".join(("text", *_READERS, *_READERS_OF_WORDS))
+        raise RecordingError(f"{path.name}: unknown suffix; name the format in the mapping: {known}")
     return _SUFFIXES[path.suffix.lower()]
 
 
@@ -153,7 +160,7 @@ def is_text(path: Path) -> bool:
     if suffix in _ELSEWHERE:
         raise RecordingError(
             f"{path} is {_ELSEWHERE[suffix]}, which is not read here: save it as CSV or Parquet there, or as MAT "
-            "(version 7) or NPZ, with a column each for time, position and torque"
+            "or NPZ, with a column each for time, position and torque"
         )
     if suffix in _UNPACKED_BY:
         raise RecordingError(

@@ -1,0 +1,67 @@
+"""Parsers that are written in C and die of some damaged files, each file in a process of its own."""
+
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.sources.columns import Columns, Contents
+
+_CHILD = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1])\n"
+    "from importlib import import_module; import_module({module!r}).write_variables(sys.argv[2])"
+)
+_REFUSED = 3
+"""Exit status of a child that says why on its standard error."""
+
+
+def make_call(module: str, path: Path) -> list[str]:
+    """What an interpreter of its own is called with, in which a module reads a file.
+
+    Args:
+        module: Its `write_variables` takes the path and ends in `write_contents` or `refuse`.
+        path: Of the file.
+    """
+    child = _CHILD.format(module=module)
+    return [sys.executable, "-W", "ignore", "-c", child, json.dumps(sys.path), str(path.absolute())]
+
+
+def read_in_process(module: str, path: Path, kind: str) -> Contents:
+    """Read a file in a process of its own.
+
+    Args:
+        module: As for `make_call`.
+        path: Of the file.
+        kind: What it should be: `MATLAB`.
+
+    Raises:
+        RecordingError: It is damaged, or refused.
+    """
+    done = subprocess.run(make_call(module, path), check=False, stdin=subprocess.DEVNULL, capture_output=True)
+    if done.returncode == _REFUSED:
+        raise RecordingError(f"{path} {done.stderr.decode(errors='replace')}")
+    if done.returncode:
+        raise RecordingError(f"{path} is no {kind} file: it is damaged so that its reader ended")
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as archive:
+        names, words = json.loads(str(archive["names"])), json.loads(str(archive["words"]))
+        return Contents({name: archive[f"column_{number}"] for number, name in enumerate(names)}, words)
+
+
+def write_contents(columns: Columns, words: dict[str, list[str]]) -> None:
+    """In the child: write all columns, their names and the words beside them to the standard output."""
+    arrays = {f"column_{number}": column for number, column in enumerate(columns.values())}
+    said = {"names": np.array(json.dumps(list(columns))), "words": np.array(json.dumps(words))}
+    stream = io.BytesIO()
+    np.savez(stream, **arrays, **said)  # type: ignore[arg-type]
+    sys.stdout.buffer.write(stream.getvalue())
+
+
+def refuse(why: str) -> NoReturn:
+    """In the child: end, and say what is wrong with the file."""
+    sys.stderr.write(why)
+    sys.exit(_REFUSED)
