@@ -13,6 +13,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording import Recording, convert, load_mapping
 from fricomp.recording.intake import Intake, read_source
 from fricomp.recording.named.log import read_named_log
+from fricomp.recording.sources import own_process
 from fricomp.sim_bench.studies.logs.good_log import joint_log
 
 h5py = pytest.importorskip("h5py")
@@ -110,3 +111,14 @@ def test_what_is_damaged_or_claims_too_much_is_one_clear_error(damage: str, tmp_
     path.write_bytes({"cut": data[: len(data) // 2], "text": b"t,q,tau\n1,2,3\n", "claim": data}[damage])
     with pytest.raises(RecordingError, match="unpacks into" if damage == "claim" else "no HDF5 file"):
         read_named_log(path)
+
+
+def test_a_file_that_leads_its_reader_in_circles_is_one_clear_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "log.h5"
+    path.write_bytes(b"")
+    monkeypatch.setattr(own_process, "_PATIENCE", 0.2)
+    monkeypatch.setattr(own_process, "_CHILD", "{module!r}; import threading; threading.Event().wait(60)")
+    with pytest.raises(RecordingError, match="its reader came to no end"):
+        own_process.read_in_process("", path, "HDF5")

@@ -18,6 +18,8 @@ _CHILD = (
 )
 _REFUSED = 3
 """Exit status of a child that says why on its standard error."""
+_PATIENCE, _SLOWEST = 30.0, 5e6
+"""How long a file may take to read [s], and bytes a second of a large one: some damage leads a parser in circles."""
 
 
 def make_call(module: str, path: Path) -> list[str]:
@@ -42,7 +44,13 @@ def read_in_process(module: str, path: Path, kind: str) -> Contents:
     Raises:
         RecordingError: It is damaged, or refused.
     """
-    done = subprocess.run(make_call(module, path), check=False, stdin=subprocess.DEVNULL, capture_output=True)
+    patience = _PATIENCE + path.stat().st_size / _SLOWEST
+    try:
+        done = subprocess.run(
+            make_call(module, path), check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=patience
+        )
+    except subprocess.TimeoutExpired as error:
+        raise RecordingError(f"{path} is no {kind} file: its reader came to no end in {patience:.0f} s") from error
     if done.returncode == _REFUSED:
         raise RecordingError(f"{path} {done.stderr.decode(errors='replace')}")
     if done.returncode:
