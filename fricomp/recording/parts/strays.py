@@ -33,8 +33,8 @@ _ALIKE = 0.5
 """Part of the ends of equal rows that leap, from which on these rows interrupt the motion."""
 _LEAP = 5.0
 """Usual large steps that make a leap."""
-_FEWEST_REPEATS, _MOST_REPEATS = 5, 0.45
-"""Rows of equal values: at least so many, and at most this part of all."""
+_FEWEST_REPEATS, _MOST_REPEATS = 5, 0.75
+"""Rows of equal values: at least so many, and at most this part of all, as of two others that publish as often."""
 _CANDIDATES = 6
 """Most frequent rows that are looked at: a log has a few long rests, each of which repeats its own values."""
 _SHORT_RUN = 50.0

@@ -80,6 +80,20 @@ def test_of_a_rest_at_an_end_only_what_is_beside_the_motion_stays(at_start: bool
     assert np.ptp(only.position) == np.ptp(log.position)
 
 
+@pytest.mark.parametrize("others", [1, 2])
+@pytest.mark.parametrize(("rate", "seed"), [(50.0, 3), (250.0, 8)])
+def test_others_that_publish_as_often_as_the_joint_are_left_out(others: int, rate: float, seed: int) -> None:
+    log = joint_log(20.0, rate, seed)
+    times = 1 + others
+    time = np.ravel(np.asarray(log.time)[:, None] + 0.3 * np.arange(times) / rate)
+    channels = {name: np.repeat(values, times) for name, values in log.channels.items() if name != "time"}
+    of_joint = np.arange(time.size) % times == 0
+    zeros = {name: np.where(of_joint, values, 0.0) for name, values in channels.items()}
+    usable = find_usable_parts(Recording.from_channels({"time": time, **zeros}, log.metadata))
+    assert len(usable.kept) == pytest.approx(len(log), abs=0.02 * len(log))
+    assert np.mean(np.isin(usable.kept.position, log.position)) == 1.0
+
+
 @pytest.mark.parametrize("share", [0.01, 0.05, 0.2])
 def test_rows_of_another_publisher_are_left_out_wherever_the_joint_is(share: float) -> None:
     log = joint_log(20.0, 500.0, 6)
