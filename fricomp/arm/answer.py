@@ -312,16 +312,17 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
 
 
 def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
-    """What recurs stays in the model, and what half of the halves ask for where it lowers the held-out error as a name
-    would: without it, links and friction would take its place.
+    """What recurs and lowers the held-out error at all stays in the model, and what half of the halves ask for where it
+    lowers that as a name would: without it, links and friction would take its place.
 
-    What would be wrong with the torque signal of one joint must recur and matter.
+    What a model has wrong recurs as well, and may ask for anything; held-out data then gain nothing by that. What would
+    be wrong with the torque signal of one joint must recur and matter.
     """
     if named and name in EFFECTS and EFFECTS[name].kind == "measurement":
         least = _LEAST_FALL_OF_A_GAIN if name == "torque_gain_error" else LEAST_FALL
         return evidence.recurrence >= RECURRENCE and evidence.fall >= least
     helps = evidence.recurrence >= _LEAST_RECURRENCE and evidence.fall >= LEAST_FALL
-    return evidence.recurrence >= RECURRENCE or helps
+    return (evidence.recurrence >= RECURRENCE and evidence.fall > 0.0) or helps
 
 
 def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:

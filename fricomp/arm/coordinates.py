@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
@@ -115,17 +117,27 @@ class Coordinates:
         self.arm, self.model = arm, model
         self.links = arm.link_coordinates
         self.n_inertial = N_INERTIA * len(arm.links)
-        first = self.n_inertial + 1
         sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(form.columns) for form in model.forms)])
         self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
-        self.size, self.width = int(sizes[-1]) + N_LAST, count_columns(first, len(arm.joints))
-        felt = [self._list_felt(j, first) for j in range(len(arm.joints))]
-        self.columns = [np.array([column for _, column in pairs]) for pairs in felt]
-        self.felt = [np.array([at for at, _ in pairs]) for pairs in felt]
+        self.size, self.width = int(sizes[-1]) + N_LAST, count_columns(self.n_inertial + 1, len(arm.joints))
 
-    def _list_felt(self, joint: int, first: int) -> list[tuple[int, int]]:
+    @cached_property
+    def columns(self) -> list[NDArray[np.intp]]:
+        """Columns of friction that act in each joint: its own, and those of others that reach it."""
+        return [np.array([column for _, column in pairs]) for pairs in self._felt]
+
+    @cached_property
+    def felt(self) -> list[NDArray[np.intp]]:
+        """Places of their parameters."""
+        return [np.array([at for at, _ in pairs]) for pairs in self._felt]
+
+    @cached_property
+    def _felt(self) -> list[list[tuple[int, int]]]:
+        return [self._list_felt(j) for j in range(len(self.arm.joints))]
+
+    def _list_felt(self, joint: int) -> list[tuple[int, int]]:
         """Friction parameters that act in a joint, with their columns there: its own, and what reaches it of others."""
-        count = len(self.arm.joints)
+        count, first = len(self.arm.joints), self.n_inertial + 1
         own = [self.places[joint].start + k for k in range(len(self.model.forms[joint].columns))]
         pairs = list(zip(own, (first + _NUMBERS[name] for name in self.model.forms[joint].columns), strict=True))
         for j, (form, place) in enumerate(zip(self.model.forms, self.places, strict=True)):

@@ -92,7 +92,7 @@ def examine_arm(
     lost = _list_gears(found) - _list_gears(answer.identification)
     if lost:
         say("searching again, without a gear that is not borne out")
-        answer = confirm_terms(identify_arm(arm, recording, prior, progress, lost), seed)
+        answer = confirm_terms(identify_arm(arm, recording, prior, progress, lost, found), seed)
     return ArmExamination(answer, write_record(answer))
 
 

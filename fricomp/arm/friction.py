@@ -233,11 +233,13 @@ class JointForm:
 _FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "gap", "spring", "load")
 
 
+@cache
 def column_names() -> tuple[str, ...]:
     """All columns of a joint, in order: those of the motion first, those that follow the load last."""
     return (*PLAIN, *(name for filled in _FILLED for name in _list_columns(filled)))
 
 
+@cache
 def find_columns(filled: Filled) -> slice:
     """Where the columns stand that are made of one thing, among all of a joint's friction."""
     sizes = [len(_list_columns(each)) + (len(PLAIN) if each == "motion" else 0) for each in _FILLED]

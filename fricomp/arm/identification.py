@@ -9,7 +9,7 @@ again in halves of the recording, or hardly changes the held-out error, is left 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,7 @@ from .bandwidth import choose_rows, raise_cutoff
 from .coordinates import ArmModel
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
-from .friction import GEARS, TERMS, JointForm
+from .friction import GEARS
 from .glance import Glance
 from .physics import is_physical, is_whole
 from .prior import ArmPrior
@@ -31,11 +31,12 @@ from .robust_fit import fit_robustly
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
 from .search.gear import YIELDING_GEAR, GearSearch
+from .search.proposal import propose_models
 from .search.ripple import propose_ripples
 from .search.shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
-from .search.stribeck import hold_curve, is_curve
+from .search.stribeck import is_curve
 
-__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm", "propose_models"]
+__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm"]
 
 Progress = Callable[[str], None]
 
@@ -77,6 +78,7 @@ class ArmIdentification:
         prior: How far the simulation was trusted.
         trials: What was tried, with the logarithm of its Bayes factor when it was last weighed.
         rivals: Of each thing that was taken in, what would have done nearly as well in the same joint.
+        begun: Rows and equations at the bandwidth that was chosen before anything was found.
     """
 
     recording: ArmRecording
@@ -87,6 +89,7 @@ class ArmIdentification:
     prior: ArmPrior
     trials: dict[str, float]
     rivals: dict[str, tuple[str, ...]]
+    begun: tuple[ArmRows, ArmEquations]
 
 
 @one_blas_thread()
@@ -96,6 +99,7 @@ def identify_arm(
     prior: ArmPrior | None = None,
     progress: Progress | None = None,
     barred: frozenset[str] = frozenset(),
+    before: ArmIdentification | None = None,
 ) -> ArmIdentification:
     """Identify links, rotors and friction of a whole arm.
 
@@ -105,6 +109,7 @@ def identify_arm(
         prior: How far the simulation is trusted.
         progress: Called with a few words before each step.
         barred: Things that are not looked for, by the names of `propose_models`.
+        before: An answer on the same recording, whose bandwidth is begun with.
 
     Raises:
         IdentificationError: No joint moves, or the recording is too short.
@@ -113,13 +118,14 @@ def identify_arm(
     if not any(np.ptp(part.position) > 0.0 for part in recording.parts):
         raise IdentificationError("no joint moves in this recording")
     say("choosing the bandwidth")
-    rows, equations = choose_rows(arm, recording, ArmModel.build_plain(len(arm.joints)), prior)
-    found = _search(rows, equations, arm, recording, prior, say, barred=barred)
-    higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, equations.weights.noise)
+    plain = ArmModel.build_plain(len(arm.joints))
+    rows, begun = choose_rows(arm, recording, plain, prior) if before is None else before.begun
+    found = _search(rows, begun, arm, recording, prior, say, barred=barred)
+    higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, begun.weights.noise)
     if higher is not None:
         found = _search(*higher, arm, recording, prior, say, found, barred)
     fit, equations = fit_robustly(arm, found.rows, found.equations, found.fit.model, prior, found.fit, settled=True)
-    return replace(found, fit=fit, equations=equations)
+    return replace(found, fit=fit, equations=equations, begun=(rows, begun))
 
 
 def _search(
@@ -137,7 +143,7 @@ def _search(
     What is missing shifts the delay that joints ask for, and the more the wider the band is. So the one that is known
     from another band, beside what was found there, stands until this is found again.
     """
-    model = ArmModel.build_plain(len(arm.joints))
+    model, begun = ArmModel.build_plain(len(arm.joints)), (rows, equations)
     trials: dict[str, float] = {}
     rivals: dict[str, tuple[str, ...]] = {}
     delay = SharedDelay(0.0, 0.0, {})
@@ -154,7 +160,7 @@ def _search(
         model, fit, equations = _take_in(rows, equations, model, prior, trials, rivals, arm, barred)
         if model == before:
             break
-    return ArmIdentification(recording, rows, equations, fit, delay, prior, trials, rivals)
+    return ArmIdentification(recording, rows, equations, fit, delay, prior, trials, rivals, begun)
 
 
 def _take_off_delay(
@@ -329,26 +335,3 @@ def _order(tried: Sequence[tuple[str, ArmFit]]) -> list[str]:
 def _is_rival(name: str, other: str) -> bool:
     """Whether two things are of the same joint or the same kind, so that one may stand for the other."""
     return name.split(": ", maxsplit=1)[0] == other.split(": ", maxsplit=1)[0]
-
-
-def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
-    """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
-    for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
-        for term in (one for one in TERMS.values() if arm.rotary[j] or one.on_slides is not None):
-            for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
-                other = _with_form(model, j, form.with_term(term.name, variant))
-                other = hold_curve(other, j) if term.filled == "stribeck" else other
-                yield f"{joint}: {term.name}", other
-                if term.replaces:
-                    yield f"{joint}: {term.name}", replace(other, pinned=model.pinned | {(j, n) for n in term.replaces})
-    for i, link in enumerate(arm.links):
-        if i not in model.opened:
-            yield f"{link} is off", replace(model, opened=model.opened | {i})
-    if not model.tilted:
-        yield "gravity leans over", replace(model, tilted=True)
-    if not model.gain:
-        yield "all torques have a gain", replace(model, gain=True)
-
-
-def _with_form(model: ArmModel, joint: int, form: JointForm) -> ArmModel:
-    return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))

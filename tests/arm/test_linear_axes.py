@@ -11,9 +11,10 @@ from fricomp.arm import build_friction_model, examine_arm
 from fricomp.arm.coordinates import ArmModel
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.friction import JointForm
-from fricomp.arm.identification import identify_arm, propose_models
+from fricomp.arm.identification import identify_arm
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.arm.search.early_torque import EarlyTorques
+from fricomp.arm.search.proposal import propose_models
 from fricomp.laws import BidirectionalStribeck, FloatArray, LuGre
 
 from .moving_arm import record_arm

@@ -15,9 +15,10 @@ from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
 from ..glance import Glance
-from ..identification import LOOK_STEPS, propose_models
+from ..identification import LOOK_STEPS
 from ..physics import is_physical
 from ..prior import ArmPrior
+from ..search.proposal import propose_models
 
 SPRING = "spring_torque"
 

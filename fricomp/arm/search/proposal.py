@@ -1,0 +1,34 @@
+"""What may be taken into the model of an arm next: one thing more, by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..coordinates import ArmModel
+from ..friction import TERMS, JointForm
+from ..rigid.simulated_arm import SimulatedArm
+from .stribeck import hold_curve
+
+
+def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
+    """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
+    for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
+        for term in (one for one in TERMS.values() if arm.rotary[j] or one.on_slides is not None):
+            for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
+                other = _with_form(model, j, form.with_term(term.name, variant))
+                other = hold_curve(other, j) if term.filled == "stribeck" else other
+                yield f"{joint}: {term.name}", other
+                if term.replaces:
+                    yield f"{joint}: {term.name}", replace(other, pinned=model.pinned | {(j, n) for n in term.replaces})
+    for i, link in enumerate(arm.links):
+        if i not in model.opened:
+            yield f"{link} is off", replace(model, opened=model.opened | {i})
+    if not model.tilted:
+        yield "gravity leans over", replace(model, tilted=True)
+    if not model.gain:
+        yield "all torques have a gain", replace(model, gain=True)
+
+
+def _with_form(model: ArmModel, joint: int, form: JointForm) -> ArmModel:
+    return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))
