@@ -32,6 +32,9 @@ _CAUSES = {
 """What effects have in common where several joints show them."""
 
 
+_MOST_DIGITS = 6
+"""Of a number in a sentence."""
+
 _UNEXPLAINED = 0.1
 """Part of a joint's friction that is left from which on it is said that something is missing: where nothing is, a
 hundredth is left in made arms, and up to a twenty-fifth where joints reverse so fast that a reversal is missed."""
@@ -295,10 +298,13 @@ def say_link(link: LinkRecord) -> str:
 
 
 def show_quantity(quantity: Quantity) -> str:
-    """A value with its unit and interval."""
+    """A value with its unit and interval, in as many digits as tell the ends of the interval apart."""
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     bound = f", {AT_BOUND}" if quantity.at_bound else ""
-    return f"{quantity.value:.3g}{unit} ({quantity.ci95[0]:.3g} to {quantity.ci95[1]:.3g}{bound})"
+    low, high = quantity.ci95
+    size, width = max(abs(low), abs(high), abs(quantity.value)), high - low
+    digits = 3 if width <= 0.0 else min(max(3, math.ceil(math.log10(max(size / width, 1.0))) + 1), _MOST_DIGITS)
+    return f"{quantity.value:.{digits}g}{unit} ({low:.{digits}g} to {high:.{digits}g}{bound})"
 
 
 def say_possible_spring(joint: JointRecord) -> str:

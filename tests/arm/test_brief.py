@@ -9,6 +9,7 @@ from fricomp.arm.brief import (
     say_nothing_missing,
     say_unexplained,
     say_unnamed,
+    show_quantity,
     write_summary,
     write_title,
 )
@@ -142,3 +143,10 @@ def test_what_a_model_holds_without_a_name_is_told_with_how_little_it_is() -> No
     assert "Nothing is missing" not in say_nothing_missing((plain, bent))
     assert write_title(_record((plain, bent))).endswith("nothing is named")
     assert any("quadratic_drag" in line for line in write_summary(_record((plain, bent)), "Nothing is named."))
+
+
+def test_a_narrow_interval_is_told_in_as_many_digits_as_tell_its_ends_apart() -> None:
+    assert show_quantity(Quantity(0.01921, "kg·m", (0.01919, 0.01923))) == "0.01921 kg·m (0.01919 to 0.01923)"
+    assert show_quantity(Quantity(0.439, "kg·m", (0.384, 0.493))) == "0.439 kg·m (0.384 to 0.493)"
+    assert show_quantity(Quantity(2.0, "s", (2.0, 2.0))) == "2 s (2 to 2)"
+    assert show_quantity(Quantity(-1.0 / 3.0, "1", (-1.0 / 3.0 - 1e-12, -1.0 / 3.0))).startswith("-0.333333 (")
