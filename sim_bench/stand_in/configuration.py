@@ -11,6 +11,7 @@ from fricomp.control import JointLimits
 from fricomp.errors import ParameterError
 from fricomp.laws import FrictionLaw
 from fricomp.model import load_model
+from fricomp.simulation_file import list_joints
 from fricomp.untrusted import convert_table
 
 from .disturbance import Disturbance, Sinusoid
@@ -107,7 +108,11 @@ def _base(table: StandInTable) -> tuple[JointSettings, ...]:
     if table.model == "six_joint_arm":
         return six_joint_arm().joints
     if not table.joints:
-        raise ParameterError(f"name the joints of {table.model!r} that are to be driven, under [[joints]]")
+        names = ", ".join(list_joints(table.model))
+        raise ParameterError(
+            f"name the joints of {table.model!r} that are to be driven, in the file of --config: [[joints]] with "
+            f'name = "..." for each; it has {names or "none"}'
+        )
     return ()
 
 

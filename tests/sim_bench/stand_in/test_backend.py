@@ -138,7 +138,7 @@ def test_external_disturbance_moves_the_arm_and_can_be_switched_off() -> None:
         ),
         ({"joints": [{"name": "joint", "sensor": {"torque_noise": -1.0}}]}, "torque_noise"),
         ({"joints": [{"name": "joint", "normal_load": "heavy"}]}, "normal_load|heavy"),
-        ({"model": "missing.xml"}, r"\[\[joints\]\]"),
+        ({"model": "missing.xml"}, "missing.xml"),
         ({"model": "missing.xml", "joints": [{"name": "a"}]}, "missing.xml is not a model"),
         ({"period": 0.0}, "period"),
     ],
@@ -197,3 +197,13 @@ def test_a_slide_of_the_model_is_a_linear_joint(tmp_path: Path) -> None:
     with open_adapter("sim", {"model": str(model), "joints": [{"name": "joint"}]}) as adapter:
         joint = adapter.capabilities.joints[0]
     assert (joint.motion, joint.torque_unit) == ("linear", "N")
+
+
+def test_a_model_of_ones_own_without_joints_to_drive_says_which_it_has_and_where_to_name_them(tmp_path: Path) -> None:
+    model = tmp_path / "arm.xml"
+    model.write_text(
+        '<mujoco><worldbody><body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        '<joint name="elbow" axis="0 1 0"/></body></worldbody></mujoco>'
+    )
+    with pytest.raises(AdapterConfigurationError, match=r"in the file of --config: .* it has elbow"):
+        open_adapter("sim", {"model": str(model)})
