@@ -32,6 +32,9 @@ _CAUSES = {
 """What effects have in common where several joints show them."""
 
 
+_OFFSET = 0.1
+"""Part of a joint's Coulomb torque beyond which a constant torque is told: links that are a little off leave less."""
+
 _MOST_DIGITS = 6
 """Of a number in a sentence."""
 
@@ -67,7 +70,7 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     lines += say_shared_causes(record.joints)
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
-    lines += say_unnamed(record.joints)
+    lines += [*say_offsets(record.joints), *say_unnamed(record.joints)]
     lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
     lines += say_stated(record.joints)
@@ -190,6 +193,24 @@ def say_shared_causes(joints: Sequence[JointRecord]) -> tuple[str, ...]:
                 f"comes first: {cause}."
             )
     return tuple(lines)
+
+
+def say_offsets(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """Which joints have a constant torque that is surely more than a part of their Coulomb friction, if any."""
+    shown = [f"{joint.name} {show_quantity(joint.friction['offset'])}" for joint in joints if _has_offset(joint)]
+    if not shown:
+        return ()
+    return (
+        f"A constant torque acts beside gravity in {', '.join(shown)}: such as the zero of a torque sensor, friction "
+        "that is higher in one direction, or something that pulls. The friction files hold it.",
+    )
+
+
+def _has_offset(joint: JointRecord) -> bool:
+    level, offset = (joint.friction.get(name) for name in ("coulomb", "offset"))
+    if level is None or offset is None or offset.ci95[0] <= 0.0 <= offset.ci95[1]:
+        return False
+    return min(map(abs, offset.ci95)) > _OFFSET * level.value
 
 
 def say_unnamed(joints: Sequence[JointRecord]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from fricomp.arm.brief import (
     say_links,
     say_nothing_missing,
+    say_offsets,
     say_unexplained,
     say_unnamed,
     show_quantity,
@@ -150,3 +151,15 @@ def test_a_narrow_interval_is_told_in_as_many_digits_as_tell_its_ends_apart() ->
     assert show_quantity(Quantity(0.439, "kg·m", (0.384, 0.493))) == "0.439 kg·m (0.384 to 0.493)"
     assert show_quantity(Quantity(2.0, "s", (2.0, 2.0))) == "2 s (2 to 2)"
     assert show_quantity(Quantity(-1.0 / 3.0, "1", (-1.0 / 3.0 - 1e-12, -1.0 / 3.0))).startswith("-0.333333 (")
+
+
+def test_a_constant_torque_is_told_where_it_is_surely_a_part_of_the_friction() -> None:
+    def joint(name: str, offset: tuple[float, float]) -> JointRecord:
+        friction = {"coulomb": Quantity(2.0, "N·m", (1.9, 2.1)), "offset": Quantity(sum(offset) / 2.0, "N·m", offset)}
+        return replace(_joint(name, None), friction=friction)
+
+    little, open_ended, sure = joint("a", (0.1, 0.3)), joint("b", (-0.5, 2.0)), joint("c", (-0.9, -0.7))
+    assert say_offsets((little, open_ended)) == ()
+    (line,) = say_offsets((little, open_ended, sure))
+    assert "c -0.8 N·m (-0.9 to -0.7)" in line
+    assert line in write_summary(_record((sure,)), "Nothing is named.")
