@@ -316,9 +316,10 @@ def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
     lowers that as a name would: without it, links and friction would take its place.
 
     What a model has wrong recurs as well, and may ask for anything; held-out data then gain nothing by that. What would
-    be wrong with the torque signal of one joint must recur and matter.
+    be wrong with the torque signal of one joint must recur and matter, and so must a gear: all links bend with it.
     """
-    if named and name in EFFECTS and EFFECTS[name].kind == "measurement":
+    signal = name in EFFECTS and EFFECTS[name].kind == "measurement"
+    if named and (signal or TERMS[name].whole):
         least = _LEAST_FALL_OF_A_GAIN if name == "torque_gain_error" else LEAST_FALL
         return evidence.recurrence >= RECURRENCE and evidence.fall >= least
     helps = evidence.recurrence >= _LEAST_RECURRENCE and evidence.fall >= LEAST_FALL
