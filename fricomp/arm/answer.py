@@ -302,8 +302,8 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             )
             for (j, name), share in recurrence.items()
         }
-        heads = {(j, name): fit.model.forms[j].find_head(name) == name for j, name in evidence}
-        weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, named=heads[key])}
+        heads = {(j, name): evidence[j, fit.model.forms[j].find_head(name)] for j, name in evidence}
+        weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, heads[key])}
         if not weak:
             final = replace(found, fit=widened, equations=equations)
             return ArmAnswer(final, evidence, errors, tuple(find_own_delay(final, j) for j in range(len(arm.joints))))
@@ -311,19 +311,21 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior, settled=True)
 
 
-def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
+def _stays(name: str, evidence: TermEvidence, head: TermEvidence) -> bool:
     """What recurs and lowers the held-out error at all stays in the model, and what half of the halves ask for where it
     lowers that as a name would: without it, links and friction would take its place.
 
     What a model has wrong recurs as well, and may ask for anything; held-out data then gain nothing by that. What would
-    be wrong with the torque signal of one joint must recur and matter, and so must a gear: all links bend with it.
+    be wrong with the torque signal of one joint must recur and matter, and so must a gear: all links bend with it. What
+    mends the form of an effect needs one that matters.
     """
     signal = name in EFFECTS and EFFECTS[name].kind == "measurement"
-    if named and (signal or TERMS[name].whole):
+    if head is evidence and (signal or TERMS[name].whole):
         least = _LEAST_FALL_OF_A_GAIN if name == "torque_gain_error" else LEAST_FALL
         return evidence.recurrence >= RECURRENCE and evidence.fall >= least
     helps = evidence.recurrence >= _LEAST_RECURRENCE and evidence.fall >= LEAST_FALL
-    return (evidence.recurrence >= RECURRENCE and evidence.fall > 0.0) or helps
+    recurs = evidence.recurrence >= RECURRENCE and evidence.fall > 0.0
+    return (recurs or helps) and (head is evidence or head.fall >= LEAST_FALL)
 
 
 def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:
