@@ -54,7 +54,7 @@ class ArmEquations:
     """Sums over rows.
 
     Attributes:
-        columns: Columns of each joint; torque comes last, its rate before it. Shape (n_joints, n, n_columns).
+        columns: Of each joint; torque comes last, its rate before it. Shapes (n, n_columns).
         weights: Of the rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
@@ -64,7 +64,7 @@ class ArmEquations:
             joint's gap, and of its spring; zeros for none. Shapes (n_joints, 3).
     """
 
-    columns: FloatArray
+    columns: tuple[FloatArray, ...]
     weights: Weights
     top_speed: FloatArray
     ripple: FloatArray
@@ -91,7 +91,7 @@ class ArmEquations:
         rows = self.weights.rows
         return [
             EquationSums(
-                sums=_sum_rows(self.columns[:, at], rows[at]),
+                sums=_sum_rows([one[at] for one in self.columns], rows[at]),
                 counts=np.sum(rows[at] > 0.0, axis=0).astype(np.float64),
                 weights=self.weights,
                 top_speed=self.top_speed,
@@ -105,18 +105,18 @@ class ArmEquations:
 
     def with_load(self, load: FloatArray) -> ArmEquations:
         """The same with friction that follows this load [N·m] or [N]. Shape (n, n_joints)."""
-        signs = self.columns[:, :, self._friction + column_names().index("coulomb")]
+        at = self._friction + column_names().index("coulomb")
+        signs = [one[:, at] for one in self.columns]
         return self._fill("load", [load_columns(*pair) for pair in zip(load.T, signs, strict=True)])
 
     def with_lean(self, rows: ArmRows, inertia: FloatArray) -> ArmEquations:
         """The same with what leans with gravity weighing this: ten numbers of each link. Shape (n_links, 10)."""
-        width = int(self.columns.shape[2])
-        place = np.arange(width - N_LAST, width - 2)
+        place = np.arange(self._width - N_LAST, self._width - 2)
         return self._change([place] * len(self.columns), list(np.swapaxes(rows.weigh_lean(inertia), 0, 1)))
 
     def with_torque(self, rows: ArmRows) -> ArmEquations:
         """The same motion with the torques of these rows."""
-        width, delay = int(self.columns.shape[2]), self._friction + find_columns("delay").start
+        width, delay = self._width, self._friction + find_columns("delay").start
         values = np.stack([-rows.torque_rate, rows.torque_rate, rows.torque], axis=2)
         places = [np.array([delay, width - 2, width - 1])] * len(self.columns)
         return self._change(places, list(np.swapaxes(values, 0, 1)))
@@ -163,10 +163,11 @@ class ArmEquations:
 
     def _change(self, places: Sequence[NDArray[np.intp]], values: Sequence[FloatArray], **fields: Any) -> ArmEquations:
         """The same with other columns in some places of each joint; sums of the others are taken over."""
-        columns = self.columns.copy()
-        for one, place, value in zip(columns, places, values, strict=True):
-            one[:, place] = value
-        changed = replace(self, columns=columns, **fields)
+        columns = []
+        for one, place, value in zip(self.columns, places, values, strict=True):
+            columns.append(one.copy() if place.size else one)
+            columns[-1][:, place] = value
+        changed = replace(self, columns=tuple(columns), **fields)
         if "sums" in self.__dict__:
             changed.__dict__["sums"] = _update_sums(self.sums, columns, self.weights.rows, places)
         return changed
@@ -198,7 +199,11 @@ class ArmEquations:
     @property
     def _friction(self) -> int:
         """Number of the first column of friction."""
-        return int(self.columns.shape[2]) - count_columns(0, int(self.columns.shape[0]))
+        return self._width - count_columns(0, len(self.columns))
+
+    @property
+    def _width(self) -> int:
+        return int(self.columns[0].shape[1])
 
 
 @dataclass(frozen=True)
@@ -270,19 +275,19 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     starts = list_stribeck_starts()
     weights, curves = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape))
-    bare = ArmEquations(columns, weights, top, np.zeros(n), curves, {one: np.zeros((n, 3)) for one in GEARS})
+    bare = ArmEquations(tuple(columns), weights, top, np.zeros(n), curves, {one: np.zeros((n, 3)) for one in GEARS})
     bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
     return bare if plain else bare.with_stribeck(rows, np.array([starts * (one, 1.0) for one in top]))
 
 
-def _sum_rows(columns: FloatArray, weights: FloatArray) -> FloatArray:
+def _sum_rows(columns: Sequence[FloatArray], weights: FloatArray) -> FloatArray:
     """G of each joint; a matrix times itself costs half of a product. Shape (n_joints, n_columns, n_columns)."""
     halves = [Z * np.sqrt(w)[:, None] for Z, w in zip(columns, weights.T, strict=True)]
     return np.stack([half.T @ half for half in halves])
 
 
 def _update_sums(
-    sums: FloatArray, columns: FloatArray, weights: FloatArray, places: Sequence[NDArray[np.intp]]
+    sums: FloatArray, columns: Sequence[FloatArray], weights: FloatArray, places: Sequence[NDArray[np.intp]]
 ) -> FloatArray:
     """G of each joint where only some columns changed: a tenth of the work where a few did. Shape as `sums`."""
     result = sums.copy()

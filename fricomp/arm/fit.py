@@ -97,15 +97,22 @@ class ArmFit:
         """Torque of links and rotors, and that of friction, at the rows [N·m]. Shapes (n, n_joints)."""
         z = Coordinates(self.arm, self.model).expand(self.x)[:, :-2]
         first = N_INERTIA * len(self.arm.links) + 1
-        rigid = np.einsum("jnk,jk->nj", equations.columns[:, :, :first], z[:, :first])
-        friction = np.einsum("jnk,jk->nj", equations.columns[:, :, first:-N_LAST], z[:, first : 2 - N_LAST])
-        leaning = equations.columns[:, :, -N_LAST:-2] @ z[0, 2 - N_LAST :]  # the same in all joints
-        return rigid + leaning.T, friction
+        parts = [
+            (
+                one[:, :first] @ w[:first],
+                one[:, first:-N_LAST] @ w[first : 2 - N_LAST],
+                one[:, -N_LAST:-2] @ w[2 - N_LAST :],
+            )
+            for one, w in zip(equations.columns, z, strict=True)
+        ]
+        rigid, friction, leaning = (np.stack(each, axis=1) for each in zip(*parts, strict=True))
+        return rigid + leaning, friction
 
     def residuals(self, equations: ArmEquations) -> FloatArray:
         """What is left of the torques at the rows, their delay allowed for [N·m]. Shape (n, n_joints)."""
         rigid, friction = self.predict(equations)
-        return np.asarray(equations.columns[:, :, -1].T + self.x[-2] * equations.columns[:, :, -2].T - rigid - friction)
+        torque = np.stack([one[:, -1] + self.x[-2] * one[:, -2] for one in equations.columns], axis=1)
+        return np.asarray(torque - rigid - friction)
 
     def compute_load(self, rows: ArmRows) -> FloatArray:
         """Torque that the gears transmit at any rows [N·m]: rotors lie before them. Shape (n, n_joints)."""

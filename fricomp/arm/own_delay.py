@@ -49,6 +49,6 @@ def find_own_delay(found: ArmIdentification, joint: int) -> tuple[float, float]:
 
 def _shift_joint(equations: ArmEquations, rows: ArmRows, joint: int) -> ArmEquations:
     """The same with the torque of one joint as these rows have it."""
-    columns = equations.columns.copy()
+    columns = list(equations.columns)
     columns[joint] = equations.with_torque(rows).columns[joint]
-    return replace(equations, columns=columns)
+    return replace(equations, columns=tuple(columns))
