@@ -1,4 +1,4 @@
-"""What stays in the model of an arm: what recurs and lowers held-out errors, a gear where it is named, no mend alone."""
+"""What stays in the model of an arm: what recurs and lowers held-out errors, a named gear, no mend by itself."""
 
 from __future__ import annotations
 
