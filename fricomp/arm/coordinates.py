@@ -115,7 +115,7 @@ class Coordinates:
 
     def __init__(self, arm: SimulatedArm, model: ArmModel) -> None:
         self.arm, self.model = arm, model
-        self.links = arm.link_coordinates
+        self.links = arm.all_coordinates
         self.n_inertial = N_INERTIA * len(arm.links)
         sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(form.columns) for form in model.forms)])
         self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
@@ -153,7 +153,7 @@ class Coordinates:
         """Weights of the columns whose sum is what is left, with its sign turned. Shape (n_joints, n_columns)."""
         z = np.zeros((len(self.arm.joints), self.width))
         p = x[: self.n_inertial].reshape(-1, N_INERTIA)
-        z[:, : self.n_inertial] = np.concatenate([link.inertia(q) for link, q in zip(self.links, p, strict=True)])
+        z[:, : self.n_inertial] = self.links.inertia(p).ravel()
         z[:, self.n_inertial] = x[self.n_inertial : self.n_inertial + len(self.arm.joints)]
         for j, (columns, felt) in enumerate(zip(self.columns, self.felt, strict=True)):
             z[j, columns] = x[felt]
@@ -173,39 +173,44 @@ class Coordinates:
         Links enter all joints by the same derivative, so that it is taken once, of what the joints add up to.
         """
         z, scale, gain, cost = self.expand(x), _scale(equations), 1.0 + float(x[-1]), 0.0
-        H, g, links = np.zeros((self.size, self.size)), np.zeros(self.size), slice(self.n_inertial)
-        for j, (columns, felt) in enumerate(zip(self.columns, self.felt, strict=True)):
-            sums = equations.sums[j]
-            at = np.array([self.n_inertial + j, *felt, *self._find_shared(self.size)])
-            seen = np.array([self.n_inertial, *columns, *self._find_shared(self.width)])
-            slope = np.full(seen.size, gain)
+        H, g, n = np.zeros((self.size, self.size)), np.zeros(self.size), self.n_inertial
+        for j, (at, taken) in enumerate(self._places_felt):
+            own, weights = equations.sums[j].take(taken, 0).take(taken, 1), z[j, taken]
+            slope = np.full(at.size, gain)
             slope[-1] = -1.0  # of the delay, which no gain changes
-            along = np.append(z[j, :-2] / gain, [0.0, 0.0])  # what grows with the gain
-            left, gained = scale[j] * (sums @ z[j]), scale[j] * (sums @ along)
-            H[links, links] += scale[j] * gain**2 * sums[links, links]
-            H[links, at] += scale[j] * gain * slope * sums[links, seen]
-            H[np.ix_(at, at)] += scale[j] * np.outer(slope, slope) * sums[np.ix_(seen, seen)]
-            H[links, -1] += gain * gained[links]
-            H[at, -1] += slope * gained[seen]
+            along = weights / gain  # what grows with the gain
+            along[-2:] = 0.0
+            left, gained = scale[j] * (own @ weights), scale[j] * (own @ along)
+            H[:n, :n] += scale[j] * gain**2 * own[:n, :n]
+            H[:n, at[n:]] += scale[j] * gain * slope[n:] * own[:n, n:-1]
+            H[np.ix_(at[n:], at[n:])] += scale[j] * np.outer(slope[n:], slope[n:]) * own[n:-1, n:-1]
+            H[at, -1] += slope * gained[:-1]
             H[-1, -1] += along @ gained
-            g[links] -= gain * left[links]
-            g[at] -= slope * left[seen]
+            g[at] -= slope * left[:-1]
             g[-1] -= along @ left
-            cost += float(z[j] @ left)
+            cost += float(weights @ left)
         H[-1, self.n_inertial :] = H[self.n_inertial :, -1]
         self._turn_links(H, g, x)
         return Linearised(H, g, cost)
 
-    @staticmethod
-    def _find_shared(size: int) -> range:
-        """Places of lean and delay, which are those of all joints, among so many parameters or columns."""
-        return range(size - N_LAST, size - 1)
+    @cached_property
+    def _places_felt(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+        """Places of all parameters that a joint feels but the gain, and their columns with that of the torque."""
+        links, n = np.arange(self.n_inertial), self.n_inertial
+        shared, last = (np.arange(size - N_LAST, size - 1) for size in (self.size, self.width))
+        return [
+            (
+                np.concatenate([links, [n + j], felt, shared]),
+                np.concatenate([links, [n], columns, last, [self.width - 1]]),
+            )
+            for j, (columns, felt) in enumerate(zip(self.columns, self.felt, strict=True))
+        ]
 
     def _turn_links(self, H: FloatArray, g: FloatArray, x: FloatArray) -> None:
         """From the inertia of links to their coordinates, in place; of H what is above the blocks of links is given."""
         p = x[: self.n_inertial].reshape(-1, N_INERTIA)
-        turns = np.array([link.jacobian(q).T for link, q in zip(self.links, p, strict=True)])
-        shape = (len(self.links), N_INERTIA, -1)
+        turns = np.swapaxes(self.links.jacobian(p), 1, 2)
+        shape = (len(p), N_INERTIA, -1)
         H[: self.n_inertial] = (turns @ H[: self.n_inertial].reshape(shape)).reshape(self.n_inertial, -1)
         own = H[: self.n_inertial, : self.n_inertial].T
         H[: self.n_inertial, : self.n_inertial] = (turns @ own.reshape(shape)).reshape(self.n_inertial, -1)
@@ -257,8 +262,7 @@ def measure_sizes(arm: SimulatedArm, equations: ArmEquations | EquationSums, pri
     rotor = np.maximum(prior.rotors * (arm.armature + np.sqrt(sums[:, -1, -1] / squares)), 1e-9)
     ones = np.maximum(sums[:, n + 2, n + 2], 1.0)  # of the column of the offset
     typical = prior.friction * np.sqrt(np.maximum(sums[:, -1, -1] / ones, 1e-18))
-    levels = [_guess_level(arm, one, j, float(typical[j])) for j, one in enumerate(sums)]
-    return PriorSizes(rotor, typical, np.array(levels), equations.top_speed)
+    return PriorSizes(rotor, typical, _guess_levels(arm, sums, typical), equations.top_speed)
 
 
 def _scale(equations: ArmEquations | EquationSums) -> FloatArray:
@@ -266,15 +270,16 @@ def _scale(equations: ArmEquations | EquationSums) -> FloatArray:
     return np.asarray(1.0 / (equations.weights.noise**2 * equations.weights.inflation))
 
 
-def _guess_level(arm: SimulatedArm, sums: FloatArray, joint: int, typical: float) -> float:
-    """Coulomb level of a joint beside its simulated torque times a factor [N·m] or [N]."""
-    n = arm.inertia.size
-    some = np.zeros((sums.shape[0], 1 + len(PLAIN)))
-    some[:n, 0] = arm.inertia.ravel()
-    some[n, 0] = arm.armature[joint]
-    some[n + 1 : n + 1 + len(PLAIN), 1:] = np.eye(len(PLAIN))
-    found = np.linalg.lstsq(some.T @ sums @ some, some.T @ sums[:, -1], rcond=None)[0]
-    return max(abs(float(found[1 + PLAIN.index("coulomb")])), _LEAST_LEVEL * typical)
+def _guess_levels(arm: SimulatedArm, sums: FloatArray, typical: FloatArray) -> FloatArray:
+    """Coulomb level of each joint beside its simulated torque times a factor [N·m] or [N]."""
+    n, last = arm.inertia.size, arm.inertia.size + 1 + len(PLAIN)
+    some = np.zeros((len(sums), last, 1 + len(PLAIN)))
+    some[:, :n, 0], some[:, n, 0] = arm.inertia.ravel(), arm.armature
+    some[:, n + 1 :, 1:] = np.eye(len(PLAIN))
+    across = np.swapaxes(some, 1, 2)
+    whole, pull = across @ (sums[:, :last, :last] @ some), across @ sums[:, :last, -1:]
+    found = (np.linalg.pinv(whole, hermitian=True) @ pull)[:, 1 + PLAIN.index("coulomb"), 0]
+    return np.maximum(np.abs(found), _LEAST_LEVEL * typical)
 
 
 def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:

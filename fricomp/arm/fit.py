@@ -58,7 +58,7 @@ class ArmFit:
     def inertia(self) -> FloatArray:
         """Ten numbers of each link. Shape (n_links, 10)."""
         p = self.x[: N_INERTIA * len(self.arm.links)].reshape(-1, N_INERTIA)
-        return np.array([link.inertia(q) for link, q in zip(self.arm.link_coordinates, p, strict=True)])
+        return self.arm.all_coordinates.inertia(p)
 
     @property
     def armature(self) -> FloatArray:

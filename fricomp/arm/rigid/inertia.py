@@ -17,6 +17,7 @@ from fricomp.laws import FloatArray
 N_INERTIA = 10
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _UPPER = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+_UPPER_PLACES = tuple(zip(*_UPPER, strict=True))
 _LEAST = 1e-3
 """Least axis of a pseudo-inertia, as part of its largest: a file may hold a link that cannot exist or has no extent."""
 
@@ -55,29 +56,29 @@ def can_exist(inertia: FloatArray) -> bool:
 
 
 class LinkCoordinates:
-    """Coordinates of one link about its simulated inertia.
+    """Coordinates of one link, or of several at once, about its simulated inertia.
 
     Args:
-        simulated: Ten numbers. Shape (10,).
+        simulated: Ten numbers. Shape (10,), or (n_links, 10); so are all others.
     """
 
     def __init__(self, simulated: FloatArray) -> None:
-        self._root = _find_root(_to_pseudo(simulated))
-        self._slopes = np.stack([self._root @ _direction(i) for i in range(N_INERTIA)])
+        roots = [_find_root(_to_pseudo(one)) for one in np.atleast_2d(simulated)]
+        self._root = np.stack(roots).reshape(*np.shape(simulated)[:-1], 4, 4)
+        self._slopes = self._root[..., None, :, :] @ _DIRECTIONS
 
     def inertia(self, p: FloatArray) -> FloatArray:
-        """Ten numbers at p. Shape (10,)."""
+        """Ten numbers at p. Shape (..., 10)."""
         root = self._root @ _to_factor(p)
-        return _from_pseudo(root @ root.T)
+        return _from_pseudo(root @ np.swapaxes(root, -1, -2))
 
     def jacobian(self, p: FloatArray) -> FloatArray:
-        """Their derivatives by p. Shape (10, 10)."""
-        factor = _to_factor(p)
-        root = self._root @ factor
-        scale = np.ones(N_INERTIA)
-        scale[:4] = np.exp(p[:4])
-        half = (self._slopes * scale[:, None, None]) @ root.T
-        return _FROM_PSEUDO @ (half + np.swapaxes(half, 1, 2)).reshape(N_INERTIA, 16).T
+        """Their derivatives by p. Shape (..., 10, 10)."""
+        root = self._root @ _to_factor(p)
+        scale = np.ones(np.shape(p))
+        scale[..., :4] = np.exp(p[..., :4])
+        half = (self._slopes * scale[..., None, None]) @ np.swapaxes(root, -1, -2)[..., None, :, :]
+        return np.swapaxes(_from_pseudo(half + np.swapaxes(half, -1, -2)), -1, -2)
 
 
 def _direction(i: int) -> FloatArray:
@@ -87,9 +88,10 @@ def _direction(i: int) -> FloatArray:
 
 
 def _to_factor(p: FloatArray) -> FloatArray:
-    factor = np.diag(np.exp(p[:4]))
-    for value, place in zip(p[4:], _UPPER, strict=True):
-        factor[place] = value
+    """Shape (..., 4, 4)."""
+    factor = np.zeros((*np.shape(p)[:-1], 4, 4))
+    factor[..., range(4), range(4)] = np.exp(p[..., :4])
+    factor[..., *_UPPER_PLACES] = p[..., 4:]
     return factor
 
 
@@ -106,7 +108,8 @@ def _to_pseudo(inertia: FloatArray) -> FloatArray:
 
 
 def _from_pseudo(pseudo: FloatArray) -> FloatArray:
-    return _FROM_PSEUDO @ pseudo.ravel()
+    """Shape (..., 10)."""
+    return np.asarray(pseudo.reshape(*pseudo.shape[:-2], 16) @ _FROM_PSEUDO.T)
 
 
 def _tabulate() -> FloatArray:
@@ -121,6 +124,7 @@ def _tabulate() -> FloatArray:
 
 
 _FROM_PSEUDO = _tabulate()
+_DIRECTIONS = np.stack([_direction(i) for i in range(N_INERTIA)])
 
 
 def _find_root(pseudo: FloatArray) -> FloatArray:

@@ -142,6 +142,11 @@ class SimulatedArm:
         """Coordinates of each link about its simulated inertia."""
         return tuple(map(LinkCoordinates, self.inertia))
 
+    @cached_property
+    def all_coordinates(self) -> LinkCoordinates:
+        """The same of all links at once."""
+        return LinkCoordinates(self.inertia)
+
     @property
     def gravity(self) -> FloatArray:
         """Of the file [m/s²]. Shape (3,)."""
