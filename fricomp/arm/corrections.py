@@ -27,8 +27,8 @@ def say_guided(spans: Sequence[tuple[float, float]]) -> tuple[str, ...]:
     times = ", ".join(f"{first:.3g} to {last:.3g} s" for first, last in spans)
     return (
         f"At {times} something else than the drives moved or held the arm, such as a hand, a contact or a load that it "
-        "picked up: there the torques of half of the joints or more are off by more than half of their friction. That "
-        "time was left out.",
+        "picked up: there the torques of nearly all joints are off by more than half of their friction. That time was "
+        "left out.",
     )
 
 

@@ -44,6 +44,10 @@ class GuidedSettings:
             wrong, a tenth is left at most, and where much is missing in the simulation a third.
         least: Part of a joint's torque that its Coulomb torque counts for at least: sensors behind gears show none.
         louder: The same over what the other stretches leave.
+        share: Part of the joints that move of which that much must be left. A hand on an arm is felt by nearly all; a
+            gear that gives way, or a load, by those before it.
+        row: Stretches in a row from which on it is none of the arm's own: physics that is missing comes and goes with
+            the motion, from stroke to stroke.
         rounds: Most rounds of choosing the half of the stretches.
     """
 
@@ -54,6 +58,8 @@ class GuidedSettings:
     rubs: float = 0.5
     least: float = 0.05
     louder: float = 3.0
+    share: float = 0.75
+    row: int = 3
     rounds: int = 6
 
 
@@ -61,7 +67,7 @@ GUIDED = GuidedSettings()
 
 
 def find_guided(arm: SimulatedArm, recording: ArmRecording, settings: GuidedSettings = GUIDED) -> Spans:
-    """Find the times in which more is left of half of the joints than their friction allows for [s].
+    """Find the times in which more is left of nearly all joints than their friction allows for [s].
 
     Args:
         arm: The simulation, with the joints of the recording in its order.
@@ -80,7 +86,8 @@ def find_guided(arm: SimulatedArm, recording: ArmRecording, settings: GuidedSett
     torque = np.sqrt(np.mean(rows.torque**2, axis=0))
     level = np.maximum([fit.friction(j)["coulomb"] for j in range(len(arm.joints))], settings.least * torque)
     foreign = (left > settings.rubs * level) & (left > settings.louder * usual)
-    guided = np.sum(foreign, axis=1) >= max(2, 0.5 * len(arm.joints))
+    moving = np.sum(np.isfinite(left), axis=1)
+    guided = _keep_rows((np.sum(foreign, axis=1) >= settings.share * moving) & (moving > 1), settings.row)
     start, half = float(rows.time[0]), 0.5 * settings.stretch
     spans = [
         (start + settings.stretch * k - half, start + settings.stretch * (k + 1) + half)
@@ -136,6 +143,15 @@ def _measure(
     left = np.where(counts >= fewest, np.sqrt(sums / np.maximum(counts, 1.0)), np.nan)
     usual = np.sqrt(np.sum(sums[kept], axis=0) / np.maximum(np.sum(counts[kept], axis=0), 1.0))
     return left, np.maximum(usual, 1e-12)
+
+
+def _keep_rows(found: BoolArray, fewest: int) -> BoolArray:
+    """What is found so many times in a row. Shape as given."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]])))
+    kept = np.zeros_like(found)
+    for first, last in edges.reshape(-1, 2):
+        kept[first:last] = last - first >= fewest
+    return kept
 
 
 def _join(spans: Sequence[tuple[float, float]]) -> Spans:

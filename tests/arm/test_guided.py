@@ -12,7 +12,7 @@ from fricomp.arm.examination import match_recordings
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .moving_arm import record_arm, write_arm
+from .moving_arm import bend_gear, record_arm, write_arm
 
 LEVELS = (1.2, 0.8, 0.3)
 
@@ -66,3 +66,11 @@ def test_physics_that_is_missing_is_no_hand(tmp_path: Path) -> None:
 
     recordings = record_arm(write_arm(tmp_path, (5.0, 2.2, 1.4)), stop)
     assert match_recordings(recordings, write_arm(tmp_path))[1].guided == ()
+
+
+@pytest.mark.parametrize("stiffness", [60.0, 120.0])
+def test_a_gear_that_gives_way_is_no_hand(tmp_path: Path, stiffness: float) -> None:
+    """It leaves more than half of their friction of two joints of three, in every stroke that swings."""
+    simulation = write_arm(tmp_path)
+    recordings = record_arm(simulation, bend=bend_gear(1, stiffness, "motor"))
+    assert match_recordings(recordings, simulation)[1].guided == ()
