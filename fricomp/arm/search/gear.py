@@ -155,6 +155,7 @@ class GearSearch:
         turns = np.sum(np.diff(np.sign(self._load), axis=0) != 0, axis=0)
         self._joints = [j for j, rotary in enumerate(fit.arm.rotary) if rotary and turns[j] >= self._kind.turns]
         self._starts: dict[int, tuple[list[Gear], FloatArray]] = {}
+        self._settled: dict[int, Gear] = {}  # as the last fit asked for them; another term moves them little
 
     def propose(self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmEquations:
         """The equations with a gear in the columns of each joint: that which explains most of what is left of it.
@@ -172,9 +173,8 @@ class GearSearch:
         found = {j: one for j in self._joints if j not in has and (one := self._choose(judges[j], j)).gain > 0.0}
         known = {j: _Tried(Gear(*equations.gears[self._filled][j].tolist()), 1.0) for j in has}
         if self._kind.spread < np.inf:
-            return self._fill(
-                equations, self._settle(equations, fit, prior, found | known, _ROUNDS if found else _FEWER)
-            )
+            new = found.keys() - self._settled.keys()
+            return self._fill(equations, self._settle(equations, fit, prior, found | known, _ROUNDS if new else _FEWER))
         first = max(found, key=lambda j: found[j].gain, default=None)
         if first is not None:
             found[first] = self._refine(judges[first], first, found[first].gear, _ROUNDS)
@@ -199,11 +199,16 @@ class GearSearch:
         A joint feels the gear of another one too: by its own torque alone, that of a neighbour explains as much.
         """
         best = self._weigh(equations, fit, prior, {j: one.gear for j, one in found.items()})
+        if best.keys() & self._settled.keys():
+            before = {j: self._settled.get(j, one.gear) for j, one in best.items()}
+            again = self._weigh(equations, fit, prior, before)
+            best = {j: max(one, again[j], key=lambda each: each.gain) for j, one in best.items()}
         for k in range(_ROUNDS - rounds, _ROUNDS) if best else ():
             for name, factor in _list_factors(self._kind.refined, 0.5**k):
                 moved = {j: one.gear._replace(**{name: factor * getattr(one.gear, name)}) for j, one in best.items()}
                 tried = self._weigh(equations, fit, prior, moved)
                 best = {j: max(one, tried[j], key=lambda each: each.gain) for j, one in best.items()}
+        self._settled |= {j: one.gear for j, one in best.items()}
         return best
 
     def _weigh(
