@@ -17,7 +17,7 @@ from fricomp.laws import FloatArray
 N_INERTIA = 10
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _UPPER = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
-_UPPER_PLACES = tuple(zip(*_UPPER, strict=True))
+_UPPER_ROWS, _UPPER_COLUMNS = np.array(_UPPER).T
 _LEAST = 1e-3
 """Least axis of a pseudo-inertia, as part of its largest: a file may hold a link that cannot exist or has no extent."""
 
@@ -91,7 +91,7 @@ def _to_factor(p: FloatArray) -> FloatArray:
     """Shape (..., 4, 4)."""
     factor = np.zeros((*np.shape(p)[:-1], 4, 4))
     factor[..., range(4), range(4)] = np.exp(p[..., :4])
-    factor[..., *_UPPER_PLACES] = p[..., 4:]
+    factor[..., _UPPER_ROWS, _UPPER_COLUMNS] = p[..., 4:]
     return factor
 
 
