@@ -212,8 +212,12 @@ def _name_uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> t
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < PARAMETERS.significant:
         return ()
-    # Static friction need not follow the Coulomb torque: where that alone tells the two apart, both stay possible.
+    # Static friction need not follow the Coulomb torque: it alone calls in no second name, and where it alone tells the
+    # two apart, both stay possible.
     sliding = options[-1][1]
+    if best == both and min(sliding[offset], sliding[asymmetry]) < sliding[both]:
+        best = min((offset, asymmetry), key=lambda name: scores[name])
+        _, _, fitted, weight, some = options[-1]
     alike = best != both and abs(sliding[offset] - sliding[asymmetry]) <= PARAMETERS.simpler
     if alike and scores[offset] <= scores[asymmetry] + PARAMETERS.simpler:
         best = offset  # it leaves the joint as it is

@@ -247,6 +247,16 @@ def test_directions_that_differ_in_shape_alone_get_no_name() -> None:
     assert not compare_friction(plant, np.diag(deviation**2), _given(), "N·m", PLAIN, _BRISK).shifts
 
 
+def test_static_friction_that_differs_more_than_the_level_calls_in_no_offset() -> None:
+    """While it slides, the joint shows a sum of both, and one name is enough for it."""
+    plant = replace(_PLANT, forward=(2.3, 3.1, 0.05, 1.0), reverse=(1.7, 2.1, 0.05, 1.0))
+    covariance = np.diag(np.full(12, 1e-3)) ** 2
+    covariance += 0.5**2 * np.outer(*[np.eye(12)[3] - np.eye(12)[4] + np.eye(12)[8]] * 2)
+    (effect,) = compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).shifts
+    assert effect.name == "direction_asymmetry"
+    assert effect.parameters["coulomb_difference"].value == pytest.approx(0.6, rel=0.1)
+
+
 def test_a_difference_beside_a_simulation_counts_in_shares_of_the_friction_that_was_found() -> None:
     """A simulation often says that there is friction, and not how much."""
     curve = StribeckCurve(0.02, 0.02, 1.0, 0.0)
