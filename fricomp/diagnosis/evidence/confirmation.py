@@ -39,6 +39,11 @@ class PlainErrors:
         return 1.0 - self.after / max(self.before, 1e-30)
 
     @property
+    def size(self) -> float:
+        """Root mean square of what goes [N·m]; nothing where the error grows."""
+        return float(np.sqrt(max(self.before**2 - self.after**2, 0.0)))
+
+    @property
     def explained(self) -> float:
         """Part of the energy above the floor that goes."""
         above = self.before**2 - min(self.floor, self.after) ** 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..joint.base import BASE_NAMES, unpack
+from ..joint.settings import JOINT
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
@@ -51,6 +52,12 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
     least = GATES.half if chosen.certain > GATES.overwhelming * threshold else GATES.explained
     rare = held.explained > least and chosen.certain > GATES.rare * threshold
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
+
+
+def is_trifling(held: Confirmation, chosen: Explanation) -> bool:
+    """Whether the plain held-out error falls by less than the finest noise of a row has: a simulator's own arithmetic,
+    or what happens between two samples, is as much."""
+    return held.plain.size < JOINT.finest * unpack(chosen.fit.theta[: len(BASE_NAMES)]).level
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:

@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ..effects import EFFECTS
+from ..joint.settings import JOINT
 from ..search.choice import choose, rank_acceptable
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
 from .alias import list_aliases
 from .confirmation import Confirmation, confirm
-from .gates import covers, is_confirmed
+from .gates import covers, is_confirmed, is_trifling
 from .needs import find_one_way, list_objections
 from .refitted import RefittedJoint
 from .repetition import Repetitions, repeat_choice
@@ -32,7 +33,7 @@ class Trial:
         held: Held-out errors with what was chosen; None where nothing was.
         objections: What speaks against names that are not given, by name.
         unfit: Those of them against which their own numbers speak.
-        immaterial: Whether it covers the mismatch, of which the plain held-out error shows nothing.
+        immaterial: Whether it covers the mismatch, of which the plain held-out error shows nothing that matters.
     """
 
     repetitions: Repetitions = field(default_factory=lambda: Repetitions(0))
@@ -67,7 +68,7 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         against = own | _list_objections(baseline, found, tried, held, repetitions)
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections)
-        if held.plain.explained < NEEDS.trace:
+        if held.plain.explained < NEEDS.trace or is_trifling(held, tried):
             return Trial(repetitions, failed=tried, objections=objections | against, immaterial=True)
         objections |= against
         unfit |= own.keys()
@@ -92,6 +93,8 @@ def _list_objections(
     baseline: Baseline, found: SearchResult, tried: Explanation, held: Confirmation, repetitions: Repetitions
 ) -> dict[str, str]:
     """Say for each name what speaks against it besides its own numbers; nothing for those that lack nothing."""
+    if is_trifling(held, tried):
+        return dict.fromkeys(tried.names, f"it takes away less than {JOINT.finest:.1%} of the Coulomb torque")
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
         return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")

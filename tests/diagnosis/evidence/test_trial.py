@@ -9,6 +9,7 @@ from fricomp.diagnosis.evidence.confirmation import Confirmation, PlainErrors
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
 from fricomp.diagnosis.evidence.repetition import Repetitions
 from fricomp.diagnosis.evidence.trial import Trial, leave_out_unfit, put_to_trial
+from fricomp.diagnosis.joint.base import BASE_NAMES, unpack
 from fricomp.diagnosis.search.explanation import Explanation
 
 from ..known import known_baseline, known_fit, known_search
@@ -67,6 +68,17 @@ def test_what_no_plain_error_shows_is_nothing_that_is_missing(monkeypatch: pytes
     found = _try(monkeypatch, one, both, shares=shares, plain=PlainErrors(1.0, 1.0, 0.2))
     assert found.chosen is None
     assert found.immaterial
+
+
+@pytest.mark.parametrize(("part", "named"), [(0.003, False), (0.03, True)])
+def test_what_nobody_would_miss_has_no_name(monkeypatch: pytest.MonkeyPatch, part: float, named: bool) -> None:
+    """A log without noise: all of a difference is seen, and it is a few thousandths of the friction."""
+    both, one = _two()
+    size = part * unpack(one.fit.theta[: len(BASE_NAMES)]).level
+    shares = Repetitions(10, {("cogging",): 10})
+    found = _try(monkeypatch, one, both, shares=shares, plain=PlainErrors(size, 0.01 * size, 0.001 * size))
+    assert (found.chosen is one) == named
+    assert found.immaterial != named
 
 
 def test_the_form_of_friction_is_a_remark_beside_what_covers_without_it(monkeypatch: pytest.MonkeyPatch) -> None:
