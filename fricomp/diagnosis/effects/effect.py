@@ -47,6 +47,7 @@ class EffectParameter:
             is no answer.
         at_lowest: What the effect would be at its lower bound, where that is another one: said where its interval
             reaches it. Empty where the bound is nothing special.
+        of_inertia: Whether it is a part of the joint's inertia, and so another one where that is found to be another.
     """
 
     name: str
@@ -64,6 +65,7 @@ class EffectParameter:
     null: float | None = None
     searched: bool = False
     at_lowest: str = ""
+    of_inertia: bool = False
 
     def is_at_end(self, value: float) -> bool:
         """Whether a value stands where the search of it ends, in the solver's coordinates; its null is no such end."""

@@ -47,6 +47,16 @@ class Candidate:
         overtones = list_overtones(dict(self.values))
         return (*own, *(one for times in overtones for one in list_overtone_parameters(own, times)))
 
+    def follow_inertia(self, contexts: Sequence[Context], factor: float) -> Candidate:
+        """The same parts of an inertia, by the mass that they mean, on a joint whose inertia is `factor` times as
+        large."""
+        parts = {p.name: p for p in self.list_parameters(contexts) if p.of_inertia}
+        moved = (
+            (name, float(np.clip(value / factor, parts[name].lower, parts[name].upper)) if name in parts else value)
+            for name, value in self.values
+        )
+        return Candidate(self.name, tuple(moved))
+
     def at_order(self, order: float) -> Candidate:
         """The pure wave of the same ripple at another order [1/rad] or [1/m], its size to be found."""
         form = {name: value for name, value in self.values if not is_amplitude(name)}
@@ -158,6 +168,11 @@ class Structure:
             return np.zeros_like(context.position) + sum(carried)
 
         return tuple(add_load(context, plant, sum_loads(context)) for context in self.contexts)
+
+    def move_to(self, contexts: tuple[Context, ...]) -> Structure:
+        """The same effects on the motion of another joint: what hangs on a spring there stays as heavy as it is."""
+        factor = contexts[0].plant.inertia / self.contexts[0].plant.inertia
+        return Structure(contexts, tuple(one.follow_inertia(contexts, factor) for one in self.candidates))
 
     def compute_residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""

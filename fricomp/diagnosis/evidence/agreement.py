@@ -133,9 +133,9 @@ def _fit_held(baseline: Baseline, near: Sequence[Explanation], rigid: RigidJoint
     wanted = []
     for one in near:
         theta = move_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
-        settled = sorted(one.settled, key=lambda candidate: candidate.name)
-        forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
         contexts = one.structure.move_contexts(np.concatenate([theta, one.fit.theta[N_BASE:]]))
+        settled = sorted(one.settled_structure.move_to(contexts).candidates, key=lambda candidate: candidate.name)
+        forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
         starts = islice(_order_choices([len(each) for each in forms]), AGREEMENT.most_starts)
         chosen = (tuple(each[i] for each, i in zip(forms, choice, strict=True)) for choice in starts)
         wanted += [(Structure(contexts, candidates), theta) for candidates in chosen]

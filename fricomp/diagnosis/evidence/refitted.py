@@ -45,11 +45,16 @@ class RefittedJoint:
 
     @classmethod
     def refit(cls, baseline: Baseline, chosen: Explanation | None) -> RefittedJoint:
-        """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
+        """The base with the chosen effects, on the joint that was found; alone where none are. Derivatives are fresh: a
+        descent updates its own."""
         one = baseline if chosen is None else chosen
-        descent = one.structure.start_descent(one.fit.theta, one.box, iterations=0)
-        (fit,) = fit_all(baseline.problem, [(one.structure, descent)])
-        return cls(one.structure, fit, compute_covariance(fit, one.box.join(one.structure.build_known_box())))
+        structure, theta = baseline.structure, one.fit.theta
+        if chosen is not None:
+            structure = chosen.settled_structure.move_to(chosen.structure.move_contexts(theta))
+            theta = np.concatenate([theta[:N_BASE], structure.build_start()])
+        descent = structure.start_descent(theta, one.box, iterations=0)
+        (fit,) = fit_all(baseline.problem, [(structure, descent)])
+        return cls(structure, fit, compute_covariance(fit, one.box.join(structure.build_known_box())))
 
     @cached_property
     def plant(self) -> Plant:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -101,6 +101,11 @@ class Explanation:
         """Its effects, starting where their fit ended."""
         values = self.values
         return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
+
+    @property
+    def settled_structure(self) -> Structure:
+        """Its structure, starting there."""
+        return replace(self.structure, candidates=self.settled)
 
 
 def judge(baseline: Baseline, structure: Structure, fit: Fit, box: Box) -> Explanation:

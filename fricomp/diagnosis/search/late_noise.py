@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..effects.structure import N_BASE, Structure
+import numpy as np
+
+from ..effects.structure import N_BASE
 from ..joint.base import unpack
 from ..joint.base_fit import fit_base
 from .explanation import Explanation
 from .preparation import Baseline, build_structure, weigh_by_nulls
-from .refit import fit_from, rebuild_contexts
+from .refit import fit_from, rebuild
 from .search import SearchResult
 from .settings import SEARCH
 
@@ -36,7 +38,8 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
 
 
 def _measure_beside(baseline: Baseline, best: Explanation, seed: int) -> Baseline | None:
-    structure, theta = Structure(rebuild_contexts(baseline, best), best.settled), best.fit.theta
+    structure = rebuild(baseline, best)
+    theta = np.concatenate([best.fit.theta[:N_BASE], structure.build_start()])
     plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
     problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
     problem = problem.cut_samples_for(plant, unpack(baseline.fit.theta))  # without the effects the bristle may be stiff

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..effects.overtones import MULTIPLES, list_overtones, start_overtone
-from ..effects.structure import N_BASE, Candidate, Structure
+from ..effects.structure import N_BASE, Candidate
 from .explanation import Explanation
 from .preparation import Baseline
 from .refit import fit_from, rebuild_contexts
@@ -23,7 +23,8 @@ def fit_overtones(baseline: Baseline, explanations: Sequence[Explanation], thres
     for one in explanations:
         settled = tuple(_add_overtones(baseline, one, candidate, threshold) for candidate in one.settled)
         if settled != one.settled:
-            wanted.append((Structure(rebuild_contexts(baseline, one), settled), one.fit.theta[:N_BASE]))
+            more = replace(one.structure, candidates=settled).move_to(rebuild_contexts(baseline, one))
+            wanted.append((more, one.fit.theta[:N_BASE]))
             boxes.append(one.box)
     return fit_from(baseline, wanted, boxes)
 

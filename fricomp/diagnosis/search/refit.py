@@ -97,10 +97,11 @@ class _Polish(NamedTuple):
         lead = min([self.lead, *(one.fit.cost for one in explanations if not one.refused)])
         entry = Entry(Race(self.baseline.fit.cost, lead, at_once=True))
         for i, (one, own) in enumerate(zip(explanations, starts, strict=True)):
-            structure = Structure(rebuild_contexts(self.baseline, one), one.settled)
+            structure = rebuild(self.baseline, one)
             for start in own:
+                theta = np.concatenate([start.theta[:N_BASE], structure.build_start()])
                 descent = structure.start_descent(
-                    start.theta, one.box, jacobian=start.jacobian, iterations=self.iterations, refresh=self.refresh,
+                    theta, one.box, jacobian=start.jacobian, iterations=self.iterations, refresh=self.refresh,
                     entry=entry,
                 )  # fmt: skip
                 descents.append((structure, descent))
@@ -110,6 +111,11 @@ class _Polish(NamedTuple):
         for i, one in zip(owners, fitted, strict=True):
             result[i] = max(result[i], one, key=compute_preference)
         return result
+
+
+def rebuild(baseline: Baseline, explanation: Explanation) -> Structure:
+    """The effects of an explanation where their fit ended, on the joint that was found."""
+    return explanation.settled_structure.move_to(rebuild_contexts(baseline, explanation))
 
 
 def rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:

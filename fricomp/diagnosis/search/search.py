@@ -19,7 +19,7 @@ from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
 from .overtones import fit_overtones
 from .preparation import Baseline
-from .refit import compute_preference, fit_from, polish, rebuild_contexts, refit
+from .refit import compute_preference, fit_from, polish, rebuild, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
@@ -107,8 +107,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
 
 def _fit_known(baseline: Baseline, known: Explanation) -> list[Explanation]:
     """Fit what is known from where it was, and without each of its effects, which another base may have asked for."""
-    structure = Structure(rebuild_contexts(baseline, known), known.settled)
-    (whole,) = fit_from(baseline, [(structure, known.fit.theta[:N_BASE])], baseline.box)
+    (whole,) = fit_from(baseline, [(rebuild(baseline, known), known.fit.theta[:N_BASE])], baseline.box)
     return [whole, *_fit_parts(baseline, whole)]
 
 
@@ -180,9 +179,9 @@ def _fit_parts(baseline: Baseline, best: Explanation) -> list[Explanation]:
     may not have got that far."""
     if len(best.names) == 1 or best.coverage < SEARCH.nameable:
         return []
-    contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
-    kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
-    return fit_from(baseline, [(Structure(contexts, candidates), theta) for candidates in kept], baseline.box)
+    whole, theta = rebuild(baseline, best), best.fit.theta[:N_BASE]
+    kept = [tuple(c for c in whole.candidates if c.name != name) for name in best.names]
+    return fit_from(baseline, [(replace(whole, candidates=candidates), theta) for candidates in kept], baseline.box)
 
 
 def _list_idle(baseline: Baseline, one: Explanation) -> tuple[str, ...]:

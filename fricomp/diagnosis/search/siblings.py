@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..effects import EFFECTS, Context
 from ..effects.structure import N_BASE, Candidate, Structure
@@ -10,7 +11,7 @@ from ..joint.race import Entry, Race
 from ..joint.solver import is_beaten
 from .explanation import Explanation
 from .preparation import Baseline
-from .refit import fit_from, polish, rebuild_contexts
+from .refit import fit_from, polish, rebuild
 from .settings import SEARCH
 
 
@@ -22,44 +23,46 @@ def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
     far: from there one law may get no further than to another minimum, however well it would explain the joint that
     another one has led to. So may a form, and another effect then takes what it lacks.
     """
-    contexts, theta = rebuild_contexts(baseline, best), best.fit.theta[:N_BASE]
-    wanted = _list_loads(best, contexts[0]) + _list_ripples(best, contexts[0]) + _list_forms(best, contexts)
+    whole, theta = rebuild(baseline, best), best.fit.theta[:N_BASE]
+    wanted = _list_loads(whole) + _list_ripples(whole) + _list_forms(whole)
     if not wanted:
         return []
     race = Race(baseline.fit.cost, best.fit.cost)
-    fitted = fit_from(baseline, [(Structure(contexts, one), theta) for one in wanted], best.box, entry=Entry(race))
+    fitted = fit_from(
+        baseline, [(replace(whole, candidates=one), theta) for one in wanted], best.box, entry=Entry(race)
+    )
     near = [one for one in fitted if not is_beaten(one.fit, one.box.join(one.structure.build_box()), race)]
     rest = [one for one in fitted if one not in near]
     return polish(baseline, near, iterations=SEARCH.last_steps, lead=best.fit.cost) + rest
 
 
-def _list_loads(best: Explanation, context: Context) -> list[tuple[Candidate, ...]]:
+def _list_loads(best: Structure) -> list[tuple[Candidate, ...]]:
     """Other laws of friction under load, in place of the best one's and beside it."""
-    rest = tuple(one for one in best.settled if not one.effect.follows_load)
-    if len(rest) == len(best.settled):
+    rest = tuple(one for one in best.candidates if not one.effect.follows_load)
+    if len(rest) == len(best.candidates):
         return []
     others = [name for name, effect in EFFECTS.items() if effect.follows_load and name not in best.names]
-    return [(*kept, _start(name, context)) for name in others for kept in (rest, best.settled)]
+    return [(*kept, _start(name, best.contexts)) for name in others for kept in (rest, best.candidates)]
 
 
-def _list_ripples(best: Explanation, context: Context) -> list[tuple[Candidate, ...]]:
+def _list_ripples(best: Structure) -> list[tuple[Candidate, ...]]:
     """Other ripples in place of each of the best one's, at its order."""
     kind = {name for name, effect in EFFECTS.items() if effect.ripple and not effect.misreads_position}
     others = [name for name in EFFECTS if name in kind and name not in best.names]
     wanted = []
-    for own in (one for one in best.settled if one.name in kind):
-        rest, order = tuple(one for one in best.settled if one.name != own.name), dict(own.values)["order"]
-        wanted += [(*rest, _start(name, context).at_order(order)) for name in others]
+    for own in (one for one in best.candidates if one.name in kind):
+        rest, order = tuple(one for one in best.candidates if one.name != own.name), dict(own.values)["order"]
+        wanted += [(*rest, _start(name, best.contexts).at_order(order)) for name in others]
     return wanted
 
 
-def _list_forms(best: Explanation, contexts: Sequence[Context]) -> list[tuple[Candidate, ...]]:
+def _list_forms(best: Structure) -> list[tuple[Candidate, ...]]:
     """Each effect in its other forms, by what its starts hold fixed, from its values: beside the rest, and alone."""
     wanted = []
-    for own in best.settled:
-        fixed = [one.name for one in own.list_parameters(contexts) if one.scale == 0.0]
-        values, rest = dict(own.values), tuple(one for one in best.settled if one.name != own.name)
-        starts = own.effect.propose_starts(contexts) if fixed else []
+    for own in best.candidates:
+        fixed = [one.name for one in own.list_parameters(best.contexts) if one.scale == 0.0]
+        values, rest = dict(own.values), tuple(one for one in best.candidates if one.name != own.name)
+        starts = own.effect.propose_starts(best.contexts) if fixed else []
         forms = {tuple(start[name] for name in fixed) for start in starts if all(name in start for name in fixed)}
         for form in sorted(forms - {tuple(values[name] for name in fixed)}):
             other = Candidate(own.name, tuple((values | dict(zip(fixed, form, strict=True))).items()))
@@ -67,6 +70,6 @@ def _list_forms(best: Explanation, contexts: Sequence[Context]) -> list[tuple[Ca
     return wanted
 
 
-def _start(name: str, context: Context) -> Candidate:
+def _start(name: str, contexts: Sequence[Context]) -> Candidate:
     """An effect at the first of its usual starts, or where it has none, with its usual values."""
-    return Candidate(name, tuple(next(iter(EFFECTS[name].propose_starts([context])), {}).items()))
+    return Candidate(name, tuple(next(iter(EFFECTS[name].propose_starts(contexts)), {}).items()))

@@ -35,5 +35,5 @@ def fit_straightened(baseline: Baseline, best: Explanation) -> list[Explanation]
     plant = estimate_beside(baseline.problem.tracks, added, width=width, known=baseline.rigid)
     start = best.fit.theta[:N_BASE].copy()
     start[_FRICTION] = pack(plant)[_FRICTION]
-    structure = Structure(best.structure.move_contexts(best.fit.theta), best.settled)
+    structure = best.settled_structure.move_to(best.structure.move_contexts(best.fit.theta))
     return fit_from(baseline, [(structure, start)], baseline.box)

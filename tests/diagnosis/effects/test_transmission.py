@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from fricomp.diagnosis.effects import EFFECTS, Context
 from fricomp.diagnosis.effects.settings import EFFECT
+from fricomp.diagnosis.effects.structure import Candidate, Structure
 from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, Transmission, compute_carried, compute_twist
 from fricomp.diagnosis.joint.observer import Plant
 
@@ -205,3 +206,19 @@ def test_no_swing_is_looked_for_where_the_joint_may_stick(context: Context) -> N
     slow = replace(recorded, plant=replace(context.plant, forward=(2.0, 3.0, 9.0, 1.0), reverse=(2.0, 3.0, 9.0, 1.0)))
     plain = replace(slow, recorded=np.zeros_like(recorded.recorded))
     np.testing.assert_array_equal(compute_carried(slow, load), compute_carried(plain, load))
+
+
+@pytest.mark.parametrize("name", ["backlash", "joint_elasticity"])
+def test_a_load_stays_as_heavy_where_the_joint_turns_out_to_be_another(context: Context, name: str) -> None:
+    """A gap took half of the inertia from the base. Its load was told as a share of that, and became another load as
+    soon as the share was one of the inertia that was found."""
+    heavier = (replace(context, plant=replace(context.plant, inertia=1.3 * context.plant.inertia)),)
+    values = {"stiffness": 6.0, "damping_ratio": -2.0, "gap": -5.0, "load_share": 0.6}
+    values |= {"contact_rate": 6.0, "contact_damping": -1.0}
+    before = Structure((context,), (Candidate(name, tuple(values.items())),))
+    after = before.move_to(heavier)
+    share = after.name_values(after.build_start())[name]["load_share"]
+    assert share == pytest.approx(0.6 / 1.3)
+    added = [one.compute_contributions(one.build_start())[0].additive for one in (before, after)]
+    assert np.max(np.abs(added[0] - added[1])) < 1e-9 * np.max(np.abs(added[0]))
+    assert after.move_to((context,)).build_start() == pytest.approx(before.build_start())

@@ -65,7 +65,7 @@ def test_the_noise_stays_where_a_joint_does_not_simulate_with_it(monkeypatch: py
     def run_away(*_: object) -> None:
         raise FloatingPointError("runs away")
 
-    monkeypatch.setattr(late_noise, "rebuild_contexts", lambda _, one: one.structure.contexts)
+    monkeypatch.setattr(late_noise, "rebuild", lambda _, one: one.settled_structure)
     monkeypatch.setattr(late_noise, "weigh_by_nulls", run_away)
     monkeypatch.setattr(Baseline, "measure_typical_loudness", lambda *_: 0.0)
     baseline = known_baseline()

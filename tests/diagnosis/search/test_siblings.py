@@ -58,7 +58,7 @@ def _keep_tried(monkeypatch: pytest.MonkeyPatch) -> list[Structure]:
         tried.extend(structure for structure, _ in pairs)
         return []
 
-    monkeypatch.setattr(siblings, "rebuild_contexts", lambda _, one: one.structure.contexts)
+    monkeypatch.setattr(siblings, "rebuild", lambda _, one: one.settled_structure)
     monkeypatch.setattr(siblings, "fit_from", keep)
     monkeypatch.setattr(siblings, "polish", lambda _, fitted, **__: fitted)
     return tried

@@ -8,7 +8,7 @@ from ...inputs.track import FloatArray
 from ..context import Context
 from ..effect import EffectParameter, Values
 
-SHARE = EffectParameter("inertia_share", "1", 0.2, 0.0, 1.0, linear=False, prior=0.5)
+SHARE = EffectParameter("inertia_share", "1", 0.2, 0.0, 1.0, linear=False, prior=0.5, of_inertia=True)
 """Part of the joint's inertia that the load carries [1]: mostly gears and motor are a part of it that nobody knows."""
 
 

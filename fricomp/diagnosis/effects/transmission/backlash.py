@@ -29,13 +29,13 @@ class Backlash(Effect):
     """Change of the logarithm of a gap that matters."""
     usual_rate: ClassVar[float] = 600.0
     """Rate of the load on the teeth once they touch, from which a fit starts [rad/s]: faster than rows can show."""
-    rates: ClassVar[tuple[float, float]] = (250.0, 1500.0)
+    rates: ClassVar[tuple[float, float]] = (60.0, 1500.0)
     """Bounds on that rate [rad/s]. A softer contact is a flexible transmission; a stiffer one shows no more."""
     usual_damping: ClassVar[float] = 0.5
     """Damping ratio of the load there, from which a fit starts: lubricated teeth are lossy."""
-    dampings: ClassVar[tuple[float, float]] = (0.1, 2.0)
+    dampings: ClassVar[tuple[float, float]] = (0.02, 2.0)
     """Bounds on it: from teeth that ring for some swings to those that stick."""
-    contact_prior: ClassVar[float] = 0.6
+    contact_prior: ClassVar[float] = 1.0
     """Standard deviation of the logarithms of rate and damping ratio: joints differ by a factor of two or three."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
@@ -47,7 +47,9 @@ class Backlash(Effect):
                 "gap", "{position}", self.gap_step, low, high, linear=False, logarithmic=True, form=0.3, searched=True
             ),
             # MuJoCo's second hinge with a share of 0.587 was given 0.591.
-            EffectParameter("load_share", "1", step, *EFFECT.load_shares, linear=False, prior=prior, form=0.01),
+            EffectParameter(
+                "load_share", "1", step, *EFFECT.load_shares, linear=False, prior=prior, form=0.01, of_inertia=True
+            ),
             self._build_contact("contact_rate", "1/s", self.rates),
             self._build_contact("contact_damping", "1", self.dampings),
         )

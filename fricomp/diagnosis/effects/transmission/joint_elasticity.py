@@ -55,6 +55,7 @@ class JointElasticity(Effect):
                 linear=False,
                 prior=EFFECT.load_share_prior,
                 form=0.025,
+                of_inertia=True,
             ),
             # Damping from next to nothing to critical; a spring that hardens sixfold at its usual torque is a stop.
             EffectParameter("damping_ratio", "1", 0.3, -7.0, 0.0, linear=False, prior=1.0, logarithmic=True),

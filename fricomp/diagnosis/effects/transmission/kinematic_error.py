@@ -33,7 +33,16 @@ class KinematicError(Effect):
             EffectParameter("sine", "{position}", 1e-4, -0.1, 0.1),
             EffectParameter("cosine", "{position}", 1e-4, -0.1, 0.1),
             EffectParameter("order", "1/{position}", EFFECT.order_step, compute_lowest_order(contexts), linear=False),
-            EffectParameter("load_share", "1", EFFECT.share_step, EFFECT.load_shares[0], 1.0, linear=False, prior=0.2),
+            EffectParameter(
+                "load_share",
+                "1",
+                EFFECT.share_step,
+                EFFECT.load_shares[0],
+                1.0,
+                linear=False,
+                prior=0.2,
+                of_inertia=True,
+            ),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
