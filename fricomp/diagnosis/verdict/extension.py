@@ -15,6 +15,7 @@ from fricomp.recording import Recording
 from ..effects import Context
 from ..effects.spring import SPRING, combine_springs
 from ..effects.structure import N_BASE
+from ..evidence.refitted import RefittedJoint
 from ..inputs.rigid import Spring
 from ..inputs.track import FloatArray
 from ..joint.observer import Contribution, Plant
@@ -36,7 +37,7 @@ def write_base_model(recordings: Sequence[Recording], baseline: Baseline, *, can
 
 def write_extended_model(
     recordings: Sequence[Recording],
-    chosen: Explanation | None,
+    chosen: Explanation | RefittedJoint | None,
     given: Spring | None = None,
     *,
     cancels: bool = False,

@@ -117,7 +117,8 @@ def _deliver(
         return None
     cancels = cancels_with_gravity(findings.refitted)
     base = write_base_model(case.recordings, case.baseline, cancels=cancels)
-    rows = write_extended_model(case.recordings, findings.chosen, case.spring, cancels=cancels)
+    joint = None if findings.chosen is None else findings.refitted
+    rows = write_extended_model(case.recordings, joint, case.spring, cancels=cancels)
     extended = rows if sample is None else sample.extend((rows if sample.waves else None) or base)
     named = [one.name for one in verdict.effects if one.kind == "physics"]
     missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
