@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from fricomp.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.diagnosis.effects.overtones import start_overtone
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
-from fricomp.diagnosis.inputs.delay import apply_lags
+from fricomp.diagnosis.inputs.delay import apply_lags, undo_lags
 from fricomp.diagnosis.joint.base import BASE_NAMES, pack
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.diagnosis.joint.solver import Fit
@@ -233,11 +234,25 @@ def test_no_drive_loses_most_of_its_torque(top_share: float, refused: bool, cont
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_drive_follows_through_one_pole_or_two(order: int, context: Context) -> None:
     command = np.where(context.time < 1.0, 0.0, 1.0)
-    lags = EFFECTS["drive_lag"].compute_contribution(context, {"time_constant": 0.02, "order": float(order)}).lags
+    values = {"time_constant": 0.02, "order": float(order), "damping_ratio": 1.0}
+    lags = EFFECTS["drive_lag"].compute_contribution(context, values).lags
     acting = apply_lags(command, lags, context.dt)
     since = np.maximum(context.time - 1.0, 0.0) * order / 0.02
     wanted = 1.0 - np.exp(-since) * (1.0 + since * (order - 1))
     np.testing.assert_allclose(acting, np.where(context.time < 1.0, 0.0, wanted), atol=0.06)  # a sample is 0.05 T
+
+
+def test_a_drive_may_overshoot(context: Context) -> None:
+    """As a loop of current does that is tuned to a damping ratio of 0.7: late by as much, and spread by hardly any."""
+    values = {"time_constant": 0.02, "order": 2.0, "damping_ratio": 0.7}
+    lags = EFFECTS["drive_lag"].compute_contribution(context, values).lags
+    ramp = np.maximum(context.time - 1.0, 0.0)
+    acting = apply_lags(ramp, lags, context.dt)
+    settled = context.time > 1.3
+    np.testing.assert_allclose((ramp - acting)[settled], 0.02, atol=1e-5)  # its mean lag
+    _, wanted, _ = lsim(([1.0], [(0.02 / 1.4) ** 2, 0.02, 1.0]), ramp, context.time)
+    np.testing.assert_allclose(acting, wanted, atol=5e-6)  # between two poles no line is straight
+    np.testing.assert_allclose(undo_lags(acting, lags, context.dt)[settled], ramp[settled], atol=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp
+from cmath import exp
 
 import numpy as np
 
@@ -52,12 +52,13 @@ class Loop:
 class Drive:
     """What the drive makes of its command: the low passes that were named, with their states."""
 
-    def __init__(self, lags: tuple[float, ...], torque: float, step: float) -> None:
+    def __init__(self, lags: tuple[complex, ...], torque: float, step: float) -> None:
         self.keep = [exp(-step / lag) for lag in lags]
-        self.states = [torque] * len(self.keep)
+        self.states: list[complex] = [torque] * len(self.keep)
 
     def follow(self, torque: float) -> float:
         """Torque that acts a step later [N·m]."""
+        passed: complex = torque
         for i, keep in enumerate(self.keep):
-            torque = self.states[i] = torque + (self.states[i] - torque) * keep
-        return torque
+            passed = self.states[i] = passed + (self.states[i] - passed) * keep
+        return passed.real

@@ -21,21 +21,21 @@ def shift(values: FloatArray, samples: float) -> FloatArray:
     return held[start : start + n] * (1.0 - share) + held[start + 1 : start + 1 + n] * share
 
 
-def apply_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+def apply_lags(values: FloatArray, lags: tuple[complex, ...], dt: float) -> FloatArray:
     """Pass `values` through low passes of the first order, which start at rest at the first value. Shape (n,).
 
     Exact for values that go straight from sample to sample (first-order hold): however few samples a time constant
-    has, it is neither later nor less spread than it is.
+    has, it is neither later nor less spread than it is. Two conjugate ones are a low pass that overshoots.
     """
-    for lag in (one for one in lags if one > 0.0):
+    for lag in (one for one in lags if one.real > 0.0):
         keep = np.exp(-dt / lag)
         mean = lag / dt * (1.0 - keep)
         values, _ = lfilter([1.0 - mean, mean - keep], [1.0, -keep], values, zi=[mean * values[0]])
-    return values
+    return values.real
 
 
-def undo_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+def undo_lags(values: FloatArray, lags: tuple[complex, ...], dt: float) -> FloatArray:
     """Return what gives `values` behind these low passes, if they are smooth from sample to sample. Shape (n,)."""
     for lag in lags:
         values = values + lag * np.gradient(values, dt)
-    return values
+    return values.real

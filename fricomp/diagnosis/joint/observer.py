@@ -101,14 +101,15 @@ class Contribution:
         additive: Torque that opposes the drive [N·m]. Shape (n,), or 0.
         level: Torque added to the dry friction level [N·m]. Shape (n,), or 0.
         delay: Time by which the recorded torque is late [s], on top of the plant's.
-        lags: Time constants of low passes, one after the other, through which the recorded torque acts [s].
+        lags: Time constants of low passes, one after the other, through which the recorded torque acts [s]; in
+            conjugate pairs where it overshoots.
         plant: Fields of `Plant` to replace.
     """
 
     additive: FloatArray | float = 0.0
     level: FloatArray | float = 0.0
     delay: float = 0.0
-    lags: tuple[float, ...] = ()
+    lags: tuple[complex, ...] = ()
     plant: dict[str, Any] = field(default_factory=dict)
 
     def __add__(self, other: Contribution) -> Contribution:

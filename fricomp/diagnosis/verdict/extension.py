@@ -68,7 +68,7 @@ def write_extended_model(
         (one.effect.compute_contribution(chosen.structure.contexts[0], values[one.name]) for one in candidates),
         Contribution(),
     )
-    added = late.delay + sum(late.lags) - chosen.structure.contexts[0].acts_late
+    added = late.delay + sum(late.lags).real - chosen.structure.contexts[0].acts_late
     shared = _share_offset(plant, cancels=cancels)
     dynamics = _describe_dynamics(shared, max(shares, default=0.0), added)
     core = _build_core(shared, changes)

@@ -70,7 +70,10 @@ def test_the_other_form_of_an_effect_is_tried_beside_the_rest_and_alone(monkeypa
     baseline = known_baseline()
     best = known_fit(baseline, ("drive_lag", "quadratic_drag"), 900.0)
     theta = best.fit.theta.copy()
-    theta[N_BASE + [one.name for _, one in best.structure.parameters].index("order")] = 2.0
+    numbers = [one.name for _, one in best.structure.parameters]
+    theta[N_BASE + numbers.index("order")], theta[N_BASE + numbers.index("damping_ratio")] = 2.0, 1.0
     fit_siblings(baseline, replace(best, fit=replace(best.fit, theta=theta)))
-    lags = [(one.names, dict(c.values)["order"]) for one in tried for c in one.candidates if c.name == "drive_lag"]
-    assert lags == [(("drive_lag",), 1.0), (("drive_lag", "quadratic_drag"), 1.0)]
+    tried_lags = [(one, dict(c.values)) for one in tried for c in one.candidates if c.name == "drive_lag"]
+    lags = {(one.names, values["order"], values["damping_ratio"]) for one, values in tried_lags}
+    others, both = ((1.0, 1.0), (2.0, 0.7)), ("drive_lag", "quadratic_drag")
+    assert lags == {(names, *form) for names in (("drive_lag",), both) for form in others}
