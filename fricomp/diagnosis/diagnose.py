@@ -18,6 +18,7 @@ from fricomp.recording import Recording
 from .channels.reading import read_channels, read_held, read_loads
 from .effects import EFFECTS
 from .effects.structure import N_BASE
+from .evidence.alias import measure_late_rival
 from .evidence.case import Case
 from .evidence.findings import Findings, collect_findings, prefer_simulation
 from .forward.forward import measure_forward_error
@@ -71,8 +72,8 @@ class StageSettings:
         late_fall: Part by which the held-out error must fall for a delay beside what is named.
         late_alike: Part by which it may rise where a delay takes fewer names: what an effect of a fifth of the noise
             explains.
-        late_explains: The same where something stays unknown beside it. A gap or a spring bends a joint like a delay,
-            and a lag that was found names all that is missing.
+        late_explains: The same where something stays unknown beside it, or more is named. A gap or a spring bends a
+            joint like a delay, and a lag that was found names all that is missing.
     """
 
     nulls: int = 32
@@ -245,7 +246,7 @@ def _weigh_late_action(
     finds.
     """
     usual = -min(track.delays[0] for track in answer[0].case.baseline.problem.tracks)
-    acts_late = find_late_action(given.recordings, usual)
+    acts_late = find_late_action(given.recordings, usual) or measure_late_rival(answer[0].case.found)
     shows = acts_late > 0.0
     if not shows:
         if _leaves_noise_alone(answer[1]):
@@ -271,8 +272,10 @@ def _leaves_noise_alone(verdict: Verdict) -> bool:
 
 
 def _leaves_less(moved: Verdict, before: Verdict, is_late: bool) -> bool:
-    """Whether the error falls, and by no more names than left noise alone before: such as a lag in place of a delay."""
-    wordier = len(moved.effects) + is_late > len(before.effects) and _leaves_noise_alone(before)
+    """Whether the error falls, and by no more names than left noise alone before: such as a lag in place of a delay.
+    What is far below that noise shows that it was none."""
+    far_less = moved.held.rmse_after < SETTINGS.late_explains * before.held.noise_floor
+    wordier = len(moved.effects) + is_late > len(before.effects) and _leaves_noise_alone(before) and not far_less
     return moved.held.rmse_after <= before.held.rmse_after and not wordier
 
 

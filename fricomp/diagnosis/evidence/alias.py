@@ -45,6 +45,18 @@ def is_as_good(rival: Explanation, best: Explanation) -> bool:
     return rival.gain > best.gain - max(ALIASES.close, ALIASES.form * best.gain)
 
 
+def measure_late_rival(found: SearchResult) -> float:
+    """Time by which the torque acts late, where that fits about as well as the low pass that was found [s]; else 0.
+
+    The search looks for a reading that is late, and meets a torque that acts late as one that would be read before.
+    """
+    best, late = found.best, ("torque_delay",)
+    if best is None or best.names != ("drive_lag",):
+        return 0.0
+    rivals = [one for one in found.explanations if one.names == late and is_as_good(one, best)]
+    return max((-one.values[late[0]]["delay"] for one in rivals), default=0.0)
+
+
 def compare_effects(baseline: Baseline, screened: Screen) -> Distinguishability:
     """One minus R² of each effect by each other, after the base is refitted."""
     best = screened.select_best()
