@@ -19,7 +19,7 @@ _SPELLED = {
     "turns/s": "turns/s turn/s rev/s rps hz",
     "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s м/с мм/с=mm/s",
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
-    "Nm": "nm n·m mnm=mNm mn·m=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm н·м нм мн·м=mNm"
+    "Nm": "nm n·m mnm=mNm mn·m=mNm nmm=mNm n·mm=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm н·м нм мн·м=mNm"
     " newton·meters newton·meter newton·metres",
     "kgf·cm": "kgf·cm kg·cm kgfcm kgcm",
     "in·lbf": "in·lbf in·lb lbf·in lb·in inlbf inlb lbin lbfin",
@@ -75,11 +75,13 @@ _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
     r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
-    r"|turns/s|turns|rev/s|rev|mnm|ncm|cnm|knm|nm|m?n[·._*]m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
+    r"|turns/s|turns|rev/s|rev|mnm|nmm|ncm|cnm|knm|nm|m?n[·._*]m|n[·._*-]mm|[uµμ]nm|[uµμ]n[·._*-]m|gf?[·._*-]?cm|kgf?[·._*-]?m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|[uµμ]m|m/s|cm|degc|kn|mv|e?rpm"
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )
+_MOMENT = re.compile(r"(?:[uµμ]n|gf?|kgf?)[·._*-]?c?m", re.IGNORECASE)
+"""Units of a torque that are not converted; passed over, they would be taken for N·m."""
 _REGISTER = re.compile(r"0x[0-9A-Fa-f]+")
 """Address of a register, whose last letter is no unit: `0x606C`."""
 _BEHIND_IN = re.compile(r"\bin ([^\s,;]+)$")
@@ -126,12 +128,13 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
     if behind and behind.start() > begin and read_unit(behind.group(1)):
         return [UnitWord(read_unit(behind.group(1)), behind.span(), behind.group(1))]
     name = _REGISTER.sub(lambda number: " " * len(number.group()), name)
-    bare = (match for match in _BARE.finditer(name) if match.start() > begin)
-    return [
-        UnitWord(_NAMES[_spell(one.group(), bare=True)], one.span(), one.group())
-        for one in bare
-        if _spell(one.group(), bare=True) in _NAMES
-    ]
+    bare = [(match, _read_bare(match.group())) for match in _BARE.finditer(name) if match.start() > begin]
+    return [UnitWord(unit, match.span(), match.group()) for match, unit in bare if unit]
+
+
+def _read_bare(text: str) -> str:
+    """Name of a unit that stands alone; empty where it is none."""
+    return read_unit(text) or (UNKNOWN_UNIT if _MOMENT.fullmatch(text) else "")
 
 
 def read_unit(text: str) -> str:

@@ -33,6 +33,8 @@ _STEPS = re.compile(
     re.IGNORECASE,
 )
 """Names of a time since the row before."""
+_WORD_BEGINS = re.compile(r"(?<=[a-z])(?=[A-Z])")
+"""Where the next word begins in a name that marks it by a capital letter alone."""
 _PERIOD = re.compile(
     r"^(.*[/_. ])?(d_?t|[δΔ∆]_?t|t_?s|time_?step|(sampl\w*|cycle)[_ ]?(time|period|interval)|period)"
     rf"[_\s\[(]*({_UNIT[1:-1]})?[\])]?$",
@@ -101,11 +103,16 @@ class RowTimes(NamedTuple):
 def find_stamps(columns: Iterable[str]) -> list[str]:
     """Names of columns that are called as times, the plainest first; where none is, of those in a unit of time."""
     names = list(columns)
-    called = [name for name in names if _TIME.match(name) and not says_steps(name)]
+    called = [name for name in names if _is_time(name) and not says_steps(name)]
     if not called and any(_MOTOR_STATE.search(name) for name in names):
         called = [name for name in names if _TICK.search(name)]
     called = called or [name for name in names if _TIME_UNIT.search(name) and read_column_name(name) is None]
     return sorted(called, key=lambda name: (len(name), name))
+
+
+def _is_time(name: str) -> bool:
+    """Whether a column is called as a time: `robot_time`, or `RobotTime` in one word."""
+    return bool(_TIME.match(name) or _TIME.match(_WORD_BEGINS.sub("_", name)))
 
 
 def says_steps(name: str) -> bool:

@@ -128,8 +128,11 @@ def _is_of_joint(name: str, record: dict[str, Any]) -> bool:
 
 def _choose_topics(topics: Mapping[str, Topic]) -> Source:
     said = {name: _list_quantities(name, topic) for name, topic in topics.items() if len(topic.records) > 1}
-    leads = [name for name, quantities in said.items() if "position" in quantities]
-    leads = [name for name in leads if not says_asked_for(name)] or leads
+    for channel in ("position", "motor_position"):
+        leads = [name for name, quantities in said.items() if channel in quantities]
+        leads = [name for name in leads if not says_asked_for(name)] or leads
+        if leads:
+            break
     others = tuple(sorted(name for name, quantities in said.items() if quantities and name not in leads))
     return Source(topic=leads[0], join=others) if len(leads) == 1 and others else Source()
 
