@@ -13,6 +13,7 @@ from typing import Any
 
 from fricomp.errors import RecordingError
 from fricomp.recording.named.source import is_bag_folder
+from fricomp.recording.sources.table import refuse_data_set
 from fricomp.untrusted import parse_toml, read_whole
 
 _SUFFIXES = (".csv", ".parquet", ".pq")
@@ -62,6 +63,7 @@ def find_recordings(sources: Sequence[str]) -> list[Path]:
         else:
             matches = [path]
         if not matches:
+            refuse_data_set(path)
             raise RecordingError(
                 f"{source} holds no recording: give .csv or .parquet files; fricomp convert makes them"
             )

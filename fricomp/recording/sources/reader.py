@@ -10,7 +10,7 @@ from fricomp.recording.sources.array import read_binary, read_json, read_mat, re
 from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.sources.hdf5_file import read_hdf5
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
-from fricomp.recording.sources.table import read_table
+from fricomp.recording.sources.table import read_table, refuse_data_set
 from fricomp.recording.sources.text import read_text
 from fricomp.untrusted import limit_memory
 
@@ -139,6 +139,7 @@ def refuse_damage(path: Path, kind: Format) -> Iterator[None]:
 
 def _guess_format(path: Path) -> Format:
     if path.is_dir():
+        refuse_data_set(path)
         return "rosbag2"
     if path.suffix.lower() not in _SUFFIXES:
         if is_text(path):

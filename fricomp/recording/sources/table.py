@@ -23,6 +23,17 @@ _LEVELS = 4
 """Folders above an episode in which its data set is looked for."""
 
 
+def refuse_data_set(folder: Path) -> None:
+    """Refuse the folder of a LeRobot data set with one of its files, which are logs.
+
+    Raises:
+        RecordingError: It is one.
+    """
+    episode = min((folder / "data").rglob("*.parquet"), default=None) if (folder / _INFO).is_file() else None
+    if episode is not None:
+        raise RecordingError(f"{folder} is a data set of many files: give one of them, such as {episode}")
+
+
 def read_table(path: Path, source: Source) -> Contents:
     """Read a Parquet file: `name` for a column of numbers or words, `name:3` for the third entry of a column of lists.
 

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fricomp.errors import RecordingError
+from fricomp.fleet.joint import find_recordings
 from fricomp.recording.file import read_content
 from fricomp.recording.intake import Intake, read_source
 from fricomp.recording.named.log import read_named_log
@@ -81,3 +83,11 @@ def test_the_action_of_a_policy_is_what_its_joint_was_asked_for(tmp_path: Path) 
     (tmp_path / "meta" / "info.json").write_text(json.dumps(info))
     (recording,) = read_named_log(path).recordings
     assert np.asarray(recording.channels["position_reference"]) == pytest.approx(1.01 * np.asarray(LOG.position))
+
+
+def test_the_folder_of_a_data_set_is_answered_with_one_of_its_files(tmp_path: Path) -> None:
+    file = _write_state(tmp_path / "set")
+    with pytest.raises(RecordingError, match=f"give one of them, such as .*{file.name}"):
+        read_source(tmp_path / "set", Intake())
+    with pytest.raises(RecordingError, match=f"give one of them, such as .*{file.name}"):
+        find_recordings([str(tmp_path / "set")])
