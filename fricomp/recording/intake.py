@@ -89,7 +89,15 @@ def _tell_each(source: Path, log: NamedLog) -> Iterator[tuple[Recording, tuple[F
     for one in log.recordings:
         others = tuple(start for joint, start in of_joint.items() if joint != one.metadata.joint)
         notes = [note for note in log.notes if not note.startswith(others)]
-        yield one, tuple(Finding("named_columns", "note", note.rstrip("."), "--inspect tells why") for note in notes)
+        yield one, tuple(_find_noted(note.rstrip("."), log.findings) for note in notes)
+
+
+def _find_noted(note: str, findings: Sequence[Finding]) -> Finding:
+    """A note on a log as what was found: as grave as what it tells of the rows, where it tells of them."""
+    for finding in findings:
+        if finding.message in note:
+            return replace(finding, message=note)
+    return Finding("named_columns", "note", note, "--inspect tells why")
 
 
 def _resample(named: NamedRecording, rate: float) -> NamedRecording:

@@ -155,3 +155,15 @@ def test_a_gap_is_told_after_resampling_too(source: Path, capsys: pytest.Capture
     convert(path, path.with_name("out.csv"), rate=250.0)
     assert capsys.readouterr().out.count("gap(s) in time, the longest 4.002 s") == 1
     assert len(read_recording(path.with_name("out.csv"))) == 1500
+
+
+@pytest.mark.parametrize("rate", [100.0, 250.0])
+def test_stamps_in_whole_seconds_are_refused_with_the_rate_of_the_rows(rate: float, tmp_path: Path) -> None:
+    t = np.arange(0.0, 20.0, 1.0 / rate)
+    rows = np.column_stack([np.floor(t), np.sin(2.0 * t), np.sign(np.cos(2.0 * t)) + 0.1 * np.cos(2.0 * t)])
+    source = tmp_path / "log.csv"
+    np.savetxt(source, rows, delimiter=",", header="timestamp,q_rad,tau_Nm", comments="")
+    with pytest.raises(RecordingError, match=f"--row-rate {rate:g}"):
+        convert(source, tmp_path / "joint.csv")
+    convert(source, tmp_path / "joint.csv", row_rate=rate)
+    assert len(read_recording(tmp_path / "joint.csv")) == t.size

@@ -97,6 +97,8 @@ def check_recording(recording: Recording) -> tuple[Finding, ...]:
     findings = [finding for check in _CHECKS for finding in check(recording)]
     if not any(finding.code in ("wrap", "degrees") for finding in findings):
         findings += [finding for check in _OF_UNWRAPPED for finding in check(recording)]
+    if any(finding.code == "sign_change" for finding in findings):  # which explains what the others see
+        findings = [finding for finding in findings if finding.code not in ("flipped_torque", "driven")]
     first = {(finding.code, finding.column): finding for finding in reversed(findings)}
     once = [finding for finding in findings if first[finding.code, finding.column] is finding]
     return tuple(sorted(once, key=lambda finding: _ORDER[finding.severity]))

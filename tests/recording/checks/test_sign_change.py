@@ -56,3 +56,9 @@ def test_gravity_that_turns_with_a_neighbour_and_a_change_of_size_are_none(seed:
     assert _changes(log.with_channels(torque=log.torque + np.where(later, -gravity, gravity))) == []
     assert _changes(log.with_channels(torque=np.where(later, 2.5, 1.0) * log.torque)) == []
     assert _changes(log.with_channels(torque=-np.asarray(log.torque))) == []
+
+
+def test_what_a_turned_sign_explains_is_not_told_beside_it() -> None:
+    log = joint_log(24.0, 250.0, 3)
+    (found,) = [one.code for one in check_recording(_turn(log, 0.3, 2.0)) if one.severity == "error"]
+    assert found == "sign_change"
