@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from fricomp.recording.checks.copied import find_copied_torque
 from fricomp.recording.checks.degrees import find_degrees
 from fricomp.recording.checks.lost_sign import find_lost_sign
 from fricomp.recording.checks.motion_kind import (
@@ -60,6 +61,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_spikes,
     find_motor_side,
     find_wrong_temperature,
+    find_copied_torque,
     find_unsigned_torque,
     find_folded_torque,
     find_lost_sign,

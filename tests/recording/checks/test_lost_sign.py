@@ -29,3 +29,10 @@ def test_a_joint_under_a_load_need_not_change_the_sign_of_its_torque(load: float
     lifted = log.with_channels(torque=log.torque + load * float(np.max(np.abs(log.torque))))
     assert float(np.min(lifted.torque)) > 0.0
     assert "lost_sign" not in _codes(lifted)
+
+
+@pytest.mark.parametrize("channel", ["position", "velocity"])
+def test_a_torque_that_is_another_channel_once_more_is_told(channel: str) -> None:
+    log = joint_log(12.0, 250.0, 2)
+    assert "copied_torque" not in _codes(log)
+    assert "copied_torque" in _codes(log.with_channels(torque=log.channels[channel]))
