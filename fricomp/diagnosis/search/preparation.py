@@ -134,11 +134,19 @@ def prepare(
     tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
     if creeps is not None:
-        fit, box = fit_creeping(problem, creeps, box, find_top_speed(tracks))
-    else:
-        fit, box = _try_creep(raw, problem, fit, box, seed)
-    fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    baseline = Baseline(problem, build_structure(problem, fit, box), fit, box, found, rigid=rigid)
+        return _settle(raw, *fit_creeping(problem, creeps, box, find_top_speed(tracks)), (nulls, seed), rigid)
+    baseline = _settle(raw, *_try_creep(raw, problem, fit, box, seed), (nulls, seed), rigid)
+    if is_loud(fit) or not is_loud(baseline.fit):
+        return baseline
+    # The noise at rest of a bristle had passed for that of all rows.
+    found, free = _try_creep(raw, baseline.problem, baseline.fit, box, seed)
+    return baseline if found is baseline.fit else _settle(raw, found, free, (nulls, seed), rigid)
+
+
+def _settle(raw: Problem, fit: Fit, box: Box, drawn: tuple[int, int], rigid: RigidJoint | None) -> Baseline:
+    """The base about this fit, with the number of nulls and the seed that are `drawn`."""
+    fit, problem, nulls = _reweigh(raw, fit, box, *drawn)
+    baseline = Baseline(problem, build_structure(problem, fit, box), fit, box, nulls, rigid=rigid)
     return _level_noise(_recolour(baseline))
 
 
@@ -182,7 +190,7 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.build_vectors()])
     quiet = found.residual @ found.residual <= SEARCH.quiet_creep**2 * left
-    accepted = quiet or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
+    accepted = (quiet and after < before) or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
     return (found, free) if accepted else (fit, box)
 
 
