@@ -11,7 +11,19 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 
 from .answer import ArmAnswer, TermEvidence
-from .brief import (
+from .comparison.links import describe_link, measure_link_change
+from .comparison.stated import list_stated, say_stated
+from .elasticity import measure_stiffness
+from .fit import Z95, ArmFit
+from .friction import GEARS, TERMS
+from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
+from .rigid.inertia import N_INERTIA
+from .search.frames import find_better_frames, find_torque_scales
+from .search.gear import GearSearch
+from .search.shared_delay import SharedDelay
+from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
+from .uncertainty.averaging import average_friction, average_links
+from .words.brief import (
     list_doubts,
     say_link,
     say_links,
@@ -26,19 +38,7 @@ from .brief import (
     show_quantity,
     write_summary,
 )
-from .comparison.links import describe_link, measure_link_change
-from .comparison.stated import list_stated, say_stated
-from .corrections import say_corrections
-from .elasticity import measure_stiffness
-from .fit import Z95, ArmFit
-from .friction import GEARS, TERMS
-from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
-from .rigid.inertia import N_INERTIA
-from .search.frames import find_better_frames, find_torque_scales
-from .search.gear import GearSearch
-from .search.shared_delay import SharedDelay
-from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
-from .uncertainty.averaging import average_friction, average_links
+from .words.corrections import say_corrections
 
 _UNEVEN = (
     "The stamps are not the instants at which rows were sampled: how far the joints came, over their velocities, says "

@@ -15,8 +15,9 @@ from fricomp.simulation_file import list_joints
 from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
-from .guided import find_guided, leave_out_spans
 from .identification import ArmIdentification, Progress, identify_arm
+from .left_out.guided import find_guided, leave_out_spans
+from .left_out.still import find_still
 from .log.drive_gain import take_torques
 from .prior import ArmPrior
 from .record import ArmRecord
@@ -26,7 +27,6 @@ from .search.degrees import are_degrees, take_radians
 from .search.frames import find_turned_torques, turn_torque
 from .search.gear import YIELDING_GEAR
 from .search.mounting import find_mounting
-from .still import find_still
 
 
 @dataclass(frozen=True)

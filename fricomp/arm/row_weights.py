@@ -12,8 +12,6 @@ from fricomp.root_mean_square import compute_rms
 
 from .rows import ArmRows
 
-__all__ = ["BoolArray", "Weights", "count_from_reversal", "weigh_rows"]
-
 BoolArray = NDArray[np.bool_]
 
 _HUBER = 3.0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fricomp.arm.brief import (
+from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
+from fricomp.arm.words.brief import (
     say_links,
     say_nothing_missing,
     say_offsets,
@@ -14,7 +15,6 @@ from fricomp.arm.brief import (
     write_summary,
     write_title,
 )
-from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.diagnosis.record.result import Quantity
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.arm.corrections import say_turned
 from fricomp.arm.examination import examine_arm, match_recordings
 from fricomp.arm.search.frames import find_better_frames, find_torque_scales
+from fricomp.arm.words.corrections import say_turned
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.arm.corrections import say_gravity
 from fricomp.arm.examination import match_recordings
+from fricomp.arm.words.corrections import say_gravity
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 

@@ -3,8 +3,8 @@ is not told as sure."""
 
 from __future__ import annotations
 
-from fricomp.arm.brief import say_doubts, say_shared_causes
 from fricomp.arm.record import JointEffect, JointRecord
+from fricomp.arm.words.brief import say_doubts, say_shared_causes
 from fricomp.diagnosis.record.result import Quantity
 
 

@@ -37,13 +37,13 @@ from fricomp.root_mean_square import compute_rms
 
 from ..answer import LEAST_FALL, RECURRENCE, ArmAnswer
 from ..arm_recording import find_start_temperature
-from ..brief import is_unexplained, say_what
 from ..confirmation import ConfirmedData, without_terms
 from ..examination import ArmExamination
 from ..friction import TERMS
 from ..friction_model import build_friction_model
 from ..record import ArmRecord, JointEffect, JointRecord, LinkRecord
 from ..rigid.inertia import N_INERTIA
+from ..words.brief import is_unexplained, say_what
 from .choice import WrittenFiles
 
 _SEED = 0

@@ -10,9 +10,9 @@ import numpy as np
 from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
 from fricomp.results import plain_name
 
-from ..brief import write_title
 from ..examination import ArmExamination
 from ..record import ArmRecord
+from ..words.brief import write_title
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
 _TO_JOINTS = "Each joint has a page of its own, behind its name: where its mismatch sits, and what the effects explain."

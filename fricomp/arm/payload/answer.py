@@ -19,8 +19,8 @@ from fricomp.errors import DiagnosisError, SimulationFileError
 from fricomp.recording import Recording
 
 from ..fit import Z95
+from ..left_out.still import find_still
 from ..rigid.simulated_arm import read_arm
-from ..still import find_still
 from .estimate import Payload, find_payload
 from .rows import Session
 from .settings import SETTINGS

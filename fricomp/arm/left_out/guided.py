@@ -17,14 +17,14 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .arm_recording import ArmRecording
-from .coordinates import ArmModel
-from .equations import ArmEquations, build_equations
-from .fit import ArmFit, fit_arm
-from .prior import ArmPrior
-from .rigid.simulated_arm import SimulatedArm
-from .row_weights import BoolArray
-from .rows import build_rows
+from ..arm_recording import ArmRecording
+from ..coordinates import ArmModel
+from ..equations import ArmEquations, build_equations
+from ..fit import ArmFit, fit_arm
+from ..prior import ArmPrior
+from ..rigid.simulated_arm import SimulatedArm
+from ..row_weights import BoolArray
+from ..rows import build_rows
 
 __all__ = ["find_guided", "leave_out_spans"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .record import ArmRecord, JointFrame
+from ..record import ArmRecord, JointFrame
 
 __all__ = ["name_frame", "say_corrections", "say_gravity", "say_turned"]
 

@@ -10,10 +10,10 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
-from .comparison.stated import say_stated
+from ..comparison.stated import say_stated
+from ..matter import LEAST_MATTER
+from ..record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
 from .corrections import name_frame, say_corrections
-from .matter import LEAST_MATTER
-from .record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""

@@ -1,0 +1,1 @@
+"""Times that an arm's answer leaves out, and why."""
