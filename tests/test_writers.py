@@ -37,7 +37,7 @@ REASONS = {
     "fricomp/arm/record.py": "the unfinished file of whole_file",
     "fricomp/report/png.py": "the unfinished file of whole_file, or a stream",
     "fricomp/recording/writer.py": "a recording grows by whole blocks, one by one; a half one is known as such",
-    "fricomp/recording/sources/mat_file.py": "a stream to the process that asked",
+    "fricomp/recording/sources/own_process.py": "a stream to the process that asked",
     "fricomp/fleet/run.py": "a folder of its own, moved into place as a whole",
     "sim_bench/studies/kit/store.py": "a ledger grows by whole lines; a half one is left out",
     "sim_bench/studies/proof/seal.py": "seals are only ever added, each on the disk before its case is diagnosed",
