@@ -30,15 +30,7 @@ def test_cogging_beside_friction_that_creeps() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "truth",
-    [
-        FrictionLoss(load_friction=0.2),
-        pytest.param(
-            FrictionLoss(load_friction=0.2, time=0.002, impedance=STICKING),
-            marks=pytest.mark.xfail(
-                strict=False, reason="named position_coulomb on some processors: it hangs on rounding"
-            ),
-        ),
-    ],
+    [FrictionLoss(load_friction=0.2), FrictionLoss(load_friction=0.2, time=0.002, impedance=STICKING)],
     ids=["creeping", "sticking"],
 )
 def test_load_friction_whatever_the_friction_itself(truth: FrictionLoss) -> None:
