@@ -155,7 +155,7 @@ def _keep_rows(found: BoolArray, fewest: int) -> BoolArray:
 
 
 def _join(spans: Sequence[tuple[float, float]]) -> Spans:
-    """Spans of which none touches the next."""
+    """The same times, with spans that touch joined into one."""
     if not spans:
         return ()
     breaks = [k for k, (one, after) in enumerate(pairwise(spans), 1) if after[0] > one[1]]

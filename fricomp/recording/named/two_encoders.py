@@ -34,7 +34,7 @@ def pair_encoders(known: Mapping[str, ColumnMeaning]) -> dict[str, ColumnMeaning
         paired[name] = replace(known[name], channel=f"motor_{channel}" if channel == "position" else channel, joint="")
         if channel in ("velocity", "acceleration"):
             del paired[name]
-        elif known[name].unit == "m":  # of q_m, which is no length beside q_l
+        elif known[name].unit == "m":  # beside q_l, q_m is the motor's angle and no length in metres
             paired[name] = replace(paired[name], unit="")
     both = {channel for channel, _ in motors.values()} & {channel for channel, _ in links.values()}
     for name, (channel, _) in links.items():

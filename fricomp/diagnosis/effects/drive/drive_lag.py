@@ -64,8 +64,9 @@ class DriveLag(Effect):
         half = 0.5 * lag * complex(1.0, np.sqrt(damping**-2.0 - 1.0))
         return Contribution(lags=(half, half.conjugate()))
 
-    def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm | None:
+    def choose_form(self, values: Values, contexts: Sequence[Context]) -> PrintedForm:
+        numbers = {"time_constant": (1.0, "s"), "order": (1.0, "1")}
         if values["damping_ratio"] >= 1.0:
-            return PrintedForm(self.says, self.equation, {"time_constant": (1.0, "s"), "order": (1.0, "1")})
-        numbers = {name: (1.0, unit) for name, unit in (("time_constant", "s"), ("order", "1"), ("damping_ratio", "1"))}
-        return PrintedForm(self.says, "tau = tau_command / (1 + T s + (T s / (2 D))^2)", numbers)
+            return PrintedForm(self.says, self.equation, numbers)
+        damped = "tau = tau_command / (1 + T s + (T s / (2 D))^2)"
+        return PrintedForm(self.says, damped, {**numbers, "damping_ratio": (1.0, "1")})
