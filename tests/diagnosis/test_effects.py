@@ -72,7 +72,7 @@ def test_contribution_is_finite_at_every_start(name: str, context: Context) -> N
     for start in starts:
         structure = Structure((context,), (Candidate(name, tuple(start.items())),))
         vector = structure.build_start() + np.array([p.scale if p.linear else 0.0 for _, p in structure.parameters])
-        contribution = structure.compute_contributions(vector)[0]
+        contribution = structure.compute_contributions(np.concatenate([pack(context.plant), vector]))[0]
         assert np.all(np.isfinite(contribution.additive))
         assert np.all(np.isfinite(contribution.level))
 
@@ -83,9 +83,26 @@ def test_linear_effects_vanish_at_zero(name: str, context: Context) -> None:
     if not any(p.linear for p in effect.list_parameters([context])):
         pytest.skip("the effect has no amplitude")
     structure = Structure((context,), (Candidate(name, tuple(effect.propose_starts([context])[0].items())),))
-    contribution = structure.compute_contributions(structure.build_start())[0]
+    theta = np.concatenate([pack(context.plant), structure.build_start()])
+    contribution = structure.compute_contributions(theta)[0]
     assert np.all(np.asarray(contribution.additive) == 0.0)
     assert np.all(np.asarray(contribution.level) == 0.0)
+
+
+@pytest.mark.parametrize("recorded", [False, True])
+def test_friction_under_load_follows_the_load_of_the_joint_that_is_fitted(context: Context, recorded: bool) -> None:
+    """A fit held the load that it had begun with: it crept to the true gravity, and ended before it was there."""
+    candidates = Candidate("payload_error", ()), Candidate("load_coulomb", (("coefficient", 0.2),))
+    plant = replace(context.plant, gravity=(0.4, 1.7), offset=0.3)
+    loaded = replace(context, source=1, channels={"load_torque": context.load_torque} if recorded else {})
+    structure = Structure((loaded,), candidates)
+    payload = np.where([name == "payload_error" for name, _ in structure.parameters], 0.6, 0.0)
+    theta = np.concatenate([pack(plant), structure.build_start() + payload])
+    carried = candidates[0].effect.compute_load(loaded, structure.name_values(theta[N_BASE:])["payload_error"])
+    load = plant.compute_gravity_torque(context.position, context.rotary) - plant.offset + carried
+    assert np.max(np.abs(carried)) > 0.1
+    level = structure.compute_contributions(theta)[0].level
+    assert level == pytest.approx(0.2 * np.abs(context.load_torque if recorded else load))
 
 
 @pytest.mark.parametrize(

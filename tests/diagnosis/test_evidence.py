@@ -333,9 +333,9 @@ def test_beside_no_friction_at_all_everything_that_is_left_matters() -> None:
 def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[FloatArray] = []
 
-    def contributions(_: Structure, vector: FloatArray) -> list[Contribution]:
-        asked.append(vector)
-        return [Contribution(delay=float(vector[0]))]
+    def contributions(_: Structure, theta: FloatArray) -> list[Contribution]:
+        asked.append(theta)
+        return [Contribution(delay=float(theta[N_BASE]))]
 
     monkeypatch.setattr(Structure, "compute_contributions", contributions)
     structure, effects = Structure(()), (1.0, 1.0, 2.0, 1.0)

@@ -174,10 +174,10 @@ def move_context(context: Context, track: Track, seen: Observation) -> Context:
 
 
 def add_load(context: Context, plant: Plant, further: FloatArray) -> Context:
-    """Take another plant on the same motion, which carries a further load [N·m]. A recorded load stays. Shape (n,)."""
+    """Take the load of another plant on the same motion, and a further one [N·m]. A recorded load stays. Shape (n,)."""
     gravity = plant.compute_gravity_torque(context.position, context.rotary) - plant.offset + further
     recorded = "load_torque" in context.channels
-    return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
+    return replace(context, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
 
 
 def smooth(values: FloatArray, dt: float, over: float = EFFECT.smooth_window) -> FloatArray:

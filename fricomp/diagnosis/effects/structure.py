@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -22,6 +22,7 @@ from .overtones import is_amplitude, list_overtone_parameters, list_overtones
 __all__ = ["Candidate", "Structure", "fit_all"]
 
 N_BASE = len(BASE_NAMES)
+_OF_LOAD = [BASE_NAMES.index(name) for name in ("gravity_cos", "gravity_sin")]
 
 
 @dataclass(frozen=True)
@@ -119,32 +120,48 @@ class Structure:
             result.setdefault(name, {})[parameter.name] = float(value)
         return result
 
-    def compute_contributions(self, vector: FloatArray) -> list[Contribution]:
-        """What the effects add to each recording."""
-        values = self.name_values(vector)
-        return [self.compute_contribution(context, values) for context in self.contexts]
+    def compute_contributions(self, theta: FloatArray) -> list[Contribution]:
+        """What the effects add to each recording at `theta`, friction under load by the load of that joint."""
+        return [self.compute_contribution(context, theta) for context in self.contexts]
 
-    def compute_contribution(self, context: Context, values: Mapping[str, Mapping[str, float]]) -> Contribution:
-        """What the effects add along one motion, with parameters by effect and name."""
-        total = Contribution()
+    def compute_contribution(self, context: Context, theta: FloatArray) -> Contribution:
+        """What the effects add along one motion at `theta`, friction under load by the load of that joint."""
+        values, total = self.name_values(theta[N_BASE:]), Contribution()
+        loaded = self.load_at(context, theta) if self.follows_load else context
         for candidate in self.candidates:
-            total = total + candidate.effect.compute_contribution(context, values[candidate.name])
+            along = loaded if candidate.effect.follows_load else context
+            total = total + candidate.effect.compute_contribution(along, values[candidate.name])
         return total
+
+    @cached_property
+    def follows_load(self) -> bool:
+        """Whether what the effects add changes with the load of the joint, and nobody recorded that."""
+        unknown = any("load_torque" not in context.channels for context in self.contexts)
+        return unknown and any(candidate.effect.follows_load for candidate in self.candidates)
+
+    def load_at(self, context: Context, theta: FloatArray) -> Context:
+        """Put the load that the joint of `theta` carries on a motion."""
+        values = self.name_values(theta[N_BASE:])
+        carried = [one.effect.compute_load(context, values[one.name]) for one in self.candidates]
+        return add_load(context, self.unpack_plant(theta), np.zeros_like(context.position) + sum(carried))
+
+    def key_contributions(self, theta: FloatArray) -> bytes:
+        """A key of all that the contributions at `theta` hang on."""
+        return bytes(theta[_OF_LOAD].tobytes() if self.follows_load else b"") + theta[N_BASE:].tobytes()
 
     def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
         """Observed simulations at `theta`."""
-        return problem.observe_all([self.unpack_plant(theta)], [self.compute_contributions(theta[N_BASE:])])[0]
+        return problem.observe_all([self.unpack_plant(theta)], [self.compute_contributions(theta)])[0]
 
     def observe_with_and_without(
         self, problem: Problem, theta: FloatArray, names: Collection[str]
     ) -> tuple[list[Observation], list[Observation]]:
         """Observed simulations at `theta`, and the same without the effects `names`."""
         kept = [c for c in self.candidates if c.name not in names]
-        held = np.array([owner not in names for owner, _ in self.parameters], dtype=bool)
-        less = Structure(self.contexts, tuple(kept)).compute_contributions(theta[N_BASE:][held])
-        complete, without = problem.observe_all(
-            [self.unpack_plant(theta)] * 2, [self.compute_contributions(theta[N_BASE:]), less]
-        )
+        held = [True] * N_BASE + [owner not in names for owner, _ in self.parameters]
+        less = Structure(self.contexts, tuple(kept)).compute_contributions(theta[np.array(held, dtype=bool)])
+        plant = self.unpack_plant(theta)
+        complete, without = problem.observe_all([plant, plant], [self.compute_contributions(theta), less])
         return complete, without
 
     def compute_added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
@@ -161,13 +178,8 @@ class Structure:
 
         A base that is fitted without friction under load bends its gravity, and with it the load.
         """
-        plant, values = self.unpack_plant(theta), self.name_values(theta[N_BASE:])
-
-        def sum_loads(context: Context) -> FloatArray:
-            carried = [candidate.effect.compute_load(context, values[candidate.name]) for candidate in self.candidates]
-            return np.zeros_like(context.position) + sum(carried)
-
-        return tuple(add_load(context, plant, sum_loads(context)) for context in self.contexts)
+        plant = self.unpack_plant(theta)
+        return tuple(replace(self.load_at(context, theta), plant=plant) for context in self.contexts)
 
     def move_to(self, contexts: tuple[Context, ...]) -> Structure:
         """The same effects on the motion of another joint: what hangs on a spring there stays as heavy as it is."""
@@ -176,7 +188,7 @@ class Structure:
 
     def compute_residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""
-        return problem.build_residual(self.compute_contributions, N_BASE)(points)
+        return problem.build_residual(self.compute_contributions)(points)
 
     def start_descent(
         self,
@@ -222,7 +234,7 @@ def _compute_contributions(
     most of them share this."""
     for start in range(0, len(points), at_once):
         part = points[start : start + at_once]
-        keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in part]
+        keys = [(id(structure), structure.key_contributions(point)) for structure, point in part]
         different = dict(zip(keys, part, strict=True))
         known = dict(zip(different, run_in_threads(_compute_at, different.values()), strict=True))
         yield from (known[key] for key in keys)
@@ -232,4 +244,4 @@ def _compute_at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
     """Compute what the effects add at one point, in a thread. A point that does not simulate may overflow."""
     structure, point = pair
     with np.errstate(over="ignore", invalid="ignore"):
-        return structure.compute_contributions(point[N_BASE:])
+        return structure.compute_contributions(point)

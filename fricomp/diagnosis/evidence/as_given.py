@@ -9,7 +9,6 @@ import numpy as np
 
 from fricomp.model import FrictionModel
 
-from ..effects.structure import N_BASE
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
@@ -41,7 +40,7 @@ def fit_as_given(
     at = [BASE_NAMES.index(name) for name in fixed]
     lower, upper, start = (values.copy() for values in (baseline.box.lower, baseline.box.upper, baseline.fit.theta))
     lower[at] = upper[at] = start[at] = list(fixed.values())
-    evaluate = baseline.problem.build_residual(baseline.problem.add_nothing, N_BASE)
+    evaluate = baseline.problem.build_residual(baseline.problem.add_nothing)
     box = replace(baseline.box, lower=lower, upper=upper)
     fit = minimise(evaluate, start, box, iterations=PARAMETERS.iterations, refresh=2)
     jacobian = fit.jacobian.copy()

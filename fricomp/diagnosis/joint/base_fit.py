@@ -29,7 +29,7 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
 
 def _fit_side_by_side(problem: Problem, starts: Sequence[FloatArray], box: Box) -> list[Fit]:
     """Fit the base from each start to the bottom of its valley."""
-    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
+    evaluate = problem.build_residual(problem.add_nothing)
     descents = [
         descend(theta, box, iterations=JOINT.base_steps, refresh=2, tolerance=JOINT.base_tolerance) for theta in starts
     ]
@@ -89,7 +89,7 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     """
     starts, boxes = zip(*propose_creep_starts(fit.theta, box, top_speed), strict=True)
     problem = problem.cut_samples_for(unpack(starts[0]))  # no bristle asks for short steps
-    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
+    evaluate = problem.build_residual(problem.add_nothing)
     entry = Entry(Race(JOINT.hopeless_cost * fit.cost, JOINT.hopeless_cost * fit.cost))
     descents = [
         descend(start, free, iterations=JOINT.creep_steps, refresh=2, entry=entry)

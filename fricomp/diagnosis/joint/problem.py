@@ -26,7 +26,7 @@ __all__ = ["Problem", "Weights", "build_problem"]
 _SIGNALS = 4
 """Of a simulation that are held until all at once are done: what effects add, and what it lacks."""
 
-# Torque that effects add along each recording, for their parameters.
+# Torque that effects add along each recording, at the parameters of base and effects.
 Effects = Callable[[FloatArray], list[Contribution]]
 
 
@@ -142,13 +142,12 @@ class Problem:
     def _weigh(self, rows: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate(rows) if self.weights is None else self.weights.apply(rows)
 
-    def build_residual(self, effects: Effects, n_base: int) -> Callable[[Sequence[FloatArray]], list[FloatArray]]:
+    def build_residual(self, effects: Effects) -> Callable[[Sequence[FloatArray]], list[FloatArray]]:
         """The residual vector as a function of base and effect parameters."""
 
         def evaluate(points: Sequence[FloatArray]) -> list[FloatArray]:
-            plants = [unpack(point[:n_base]) for point in points]
-            contributions = (effects(point[n_base:]) for point in points)
-            return self.compute_vectors(plants, contributions)
+            plants = [unpack(point) for point in points]
+            return self.compute_vectors(plants, (effects(point) for point in points))
 
         return evaluate
 

@@ -40,7 +40,7 @@ def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Basel
 def _measure_beside(baseline: Baseline, best: Explanation, seed: int) -> Baseline | None:
     structure = rebuild(baseline, best)
     theta = np.concatenate([best.fit.theta[:N_BASE], structure.build_start()])
-    plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta[N_BASE:])
+    plant, effects = structure.unpack_plant(theta), structure.compute_contributions(theta)
     problem, nulls = weigh_by_nulls(baseline.problem, plant, effects, baseline.nulls.count, seed)
     problem = problem.cut_samples_for(plant, unpack(baseline.fit.theta))  # without the effects the bristle may be stiff
     fit = fit_base(problem, baseline.fit.theta, baseline.box)

@@ -17,7 +17,7 @@ from ..effects.structure import Structure
 from ..effects.time_window import find_time_windows
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray, Track
-from ..joint.base import BASE_NAMES, BaseModel, unpack
+from ..joint.base import BaseModel, unpack
 from ..joint.base_fit import fit_base, fit_creep, fit_creeping, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
 from ..joint.observer import Contribution, Observer, Plant
@@ -164,7 +164,7 @@ def _fit_first(
             first, delays=delays, top_speed=top, torques=torques, rotary=tracks[0].rotary, known=rigid
         )
         problem = build_problem(tracks, first, observer)
-        evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
+        evaluate = problem.build_residual(problem.add_nothing)
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
     return next((other for other in others if other[1].cost < SEARCH.astray_cost * usual[1].cost), usual)
@@ -228,7 +228,7 @@ def _recolour(baseline: Baseline) -> Baseline:
     weights = baseline.nulls.weights
     whitener = np.convolve(weights.whitener, recolouring)
     problem = replace(baseline.problem, weights=replace(weights, whitener=whitener))
-    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
+    evaluate = problem.build_residual(problem.add_nothing)
     fit = minimise(evaluate, baseline.fit.theta, baseline.box, iterations=6, refresh=2)
     return replace(baseline, problem=problem, fit=fit, recolouring=recolouring)
 

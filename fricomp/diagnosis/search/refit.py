@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -48,69 +47,25 @@ def polish(
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found, as
     long as they may come near the best of them, or the cost `lead`.
 
-    Again for those whose load moves with it, while they gain by that, from the derivatives that the last time left.
+    Each starts where it was, and with both directions evened, and stays as it was where neither leaves less.
     """
-    once = _Polish(baseline, iterations, refresh, lead)
-    before, result = list(explanations), once.run(explanations, [_list_starts(one) for one in explanations])
-    for _ in range(SEARCH.polishes - 1):
-        unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
-        kept = [[_Start(result[i].fit.theta, result[i].fit.jacobian)] for i in unsettled]
-        again = once.run([result[i] for i in unsettled], kept)
-        before, further = result, dict(zip(unsettled, again, strict=True))
-        result = [further.get(i, one) for i, one in enumerate(result)]
+    descents, owners = [], []
+    best = min([lead, *(one.fit.cost for one in explanations if not one.refused)])
+    entry = Entry(Race(baseline.fit.cost, best, at_once=True))
+    for i, one in enumerate(explanations):
+        structure = rebuild(baseline, one)
+        for start in (one.fit.theta, even_directions(one.fit.theta)):
+            if start is None:
+                continue
+            theta = np.concatenate([start[:N_BASE], structure.build_start()])
+            descent = structure.start_descent(theta, one.box, iterations=iterations, refresh=refresh, entry=entry)
+            descents.append((structure, descent))
+            owners.append(i)
+    result = list(explanations)
+    fitted = _fit_and_judge(baseline, descents, [explanations[i].box for i in owners])
+    for i, one in zip(owners, fitted, strict=True):
+        result[i] = max(result[i], one, key=compute_preference)
     return result
-
-
-def _is_unsettled(old: Explanation, new: Explanation) -> bool:
-    """Whether a polish gained much, and moved the load."""
-    if new is old or new.refused or new.gain - old.gain < SEARCH.still_gaining * new.gain:
-        return False
-    here, there = (one.structure.move_contexts(one.fit.theta) for one in (old, new))
-    moved = [np.max(np.abs(a.load_torque - b.load_torque)) for a, b in zip(here, there, strict=True)]
-    return bool(np.max(moved) > SEARCH.still_moving * max(float(np.max(np.abs(c.load_torque))) for c in there))
-
-
-class _Start(NamedTuple):
-    """Where a fit starts, and the Jacobian there; None where it is not known."""
-
-    theta: FloatArray
-    jacobian: FloatArray | None = None
-
-
-def _list_starts(explanation: Explanation) -> list[_Start]:
-    """Where an explanation was, and the same with both directions evened."""
-    even = even_directions(explanation.fit.theta)
-    return [_Start(start) for start in (explanation.fit.theta, even) if start is not None]
-
-
-class _Polish(NamedTuple):
-    """How explanations are polished."""
-
-    baseline: Baseline
-    iterations: int
-    refresh: int
-    lead: float
-
-    def run(self, explanations: Sequence[Explanation], starts: Sequence[Sequence[_Start]]) -> list[Explanation]:
-        """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is less."""
-        descents, owners = [], []
-        lead = min([self.lead, *(one.fit.cost for one in explanations if not one.refused)])
-        entry = Entry(Race(self.baseline.fit.cost, lead, at_once=True))
-        for i, (one, own) in enumerate(zip(explanations, starts, strict=True)):
-            structure = rebuild(self.baseline, one)
-            for start in own:
-                theta = np.concatenate([start.theta[:N_BASE], structure.build_start()])
-                descent = structure.start_descent(
-                    theta, one.box, jacobian=start.jacobian, iterations=self.iterations, refresh=self.refresh,
-                    entry=entry,
-                )  # fmt: skip
-                descents.append((structure, descent))
-                owners.append(i)
-        result = list(explanations)
-        fitted = _fit_and_judge(self.baseline, descents, [result[i].box for i in owners])
-        for i, one in zip(owners, fitted, strict=True):
-            result[i] = max(result[i], one, key=compute_preference)
-        return result
 
 
 def rebuild(baseline: Baseline, explanation: Explanation) -> Structure:

@@ -11,6 +11,7 @@ import numpy as np
 from ..effects import EFFECTS, Context
 from ..effects.structure import Candidate, Structure
 from ..inputs.track import FloatArray
+from ..joint.observer import Contribution
 from ..joint.problem import Problem
 from .settings import SEARCH
 
@@ -85,19 +86,14 @@ def screen(
     points: list[tuple[Candidate, FloatArray, float]] = []
     for candidate in candidates:
         points += _list_points(structure, candidate)
-    contributions = (
-        [
-            a + b
-            for a, b in zip(
-                structure.compute_contributions(
-                    theta[-structure.build_start().size :] if structure.candidates else np.zeros(0)
-                ),
-                Structure(structure.contexts, (candidate,)).compute_contributions(vector),
-                strict=True,
-            )
-        ]
-        for candidate, vector, _ in points
-    )
+    own, loaded = structure.compute_contributions(theta), [structure.load_at(c, theta) for c in structure.contexts]
+
+    def add(candidate: Candidate, vector: FloatArray) -> list[Contribution]:
+        values = Structure(structure.contexts, (candidate,)).name_values(vector)[candidate.name]
+        contexts = loaded if candidate.effect.follows_load else structure.contexts
+        return [a + candidate.effect.compute_contribution(c, values) for a, c in zip(own, contexts, strict=True)]
+
+    contributions = (add(candidate, vector) for candidate, vector, _ in points)
     vectors = problem.compute_vectors([structure.unpack_plant(theta)] * len(points), contributions)
     columns: dict[Candidate, list[FloatArray]] = {}
     for (candidate, _, step), vector in zip(points, vectors, strict=True):

@@ -249,7 +249,8 @@ def _select_replacing(at: Baseline | Explanation, screened: Screen) -> list[list
     """Select effects, grouped by name, that take the place of parameters which stand at a bound in a fitted base."""
     suspected, contexts = _select_suspected(at, screened), at.structure.move_contexts(at.fit.theta)
     alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
-    added = [structure.compute_contributions(structure.build_start()) for structure in alone]
+    base = at.fit.theta[:N_BASE]
+    added = [one.compute_contributions(np.concatenate([base, one.build_start()])) for one in alone]
     return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
 
 

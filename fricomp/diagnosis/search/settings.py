@@ -168,13 +168,6 @@ class SearchSettings:
     """Least and largest factor by which the noise found in single samples is corrected."""
     last_steps: int = 12
     """Most steps of an explanation that was chosen and of rivals close to it."""
-    polishes: int = 4
-    """Most times that an explanation is polished."""
-    still_gaining: float = 0.003
-    """Part of the gain that the last polish must have brought for another one."""
-    still_moving: float = 0.001
-    """Part of the load by which it must have moved that. Friction under a load pulls gravity back, which takes away
-    what had hidden that friction."""
     first_bins: int = 20
     """Bins over position and speed, of as many rows each, in which a first look says where most of a mismatch is."""
     first_width: float = 0.2

@@ -29,7 +29,8 @@ def fit_straightened(baseline: Baseline, best: Explanation) -> list[Explanation]
     if not curves:
         return []
     drawn = Structure(best.structure.contexts, tuple(curves))
-    drawn_along = zip(drawn.compute_contributions(drawn.build_start()), drawn.contexts, strict=True)
+    at = np.concatenate([best.fit.theta[:N_BASE], drawn.build_start()])
+    drawn_along = zip(drawn.compute_contributions(at), drawn.contexts, strict=True)
     added = [one.additive + np.zeros_like(context.velocity) for one, context in drawn_along]
     width = baseline.problem.observer.width
     plant = estimate_beside(baseline.problem.tracks, added, width=width, known=baseline.rigid)

@@ -16,7 +16,6 @@ from scipy.signal import lfilter
 
 from ..effects import Context
 from ..effects.context import build_contexts
-from ..effects.structure import N_BASE
 from ..evidence.alias import list_printed_rivals
 from ..evidence.case import compare_given
 from ..evidence.comparison import AGREES
@@ -139,7 +138,7 @@ class _Motion:
         context = replace(self.context, plant=first.plant, usual_load=first.usual_load)
         for theta in points:
             # By name: of several recordings some effects have parameters of their own; the first ones count here.
-            effects = structure.compute_contribution(context, structure.name_values(theta[N_BASE:]))
+            effects = structure.compute_contribution(context, theta)
             jobs.append(Job(self.problem.tracks[0], structure.unpack_plant(theta), effects))
         missing = [self.problem.grids[0].average(one.missing) for one in self.problem.observe(jobs)]
         return np.asarray(lfilter(self.whitener, [1.0], np.stack(missing) / self.noise, axis=1))

@@ -12,6 +12,7 @@ from fricomp.diagnosis.effects import EFFECTS, Context
 from fricomp.diagnosis.effects.settings import EFFECT
 from fricomp.diagnosis.effects.structure import Candidate, Structure
 from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, Transmission, compute_carried, compute_twist
+from fricomp.diagnosis.joint.base import pack
 from fricomp.diagnosis.joint.observer import Plant
 
 FREQUENCY = 12.0  # [rad/s] of the motion
@@ -219,6 +220,7 @@ def test_a_load_stays_as_heavy_where_the_joint_turns_out_to_be_another(context: 
     after = before.move_to(heavier)
     share = after.name_values(after.build_start())[name]["load_share"]
     assert share == pytest.approx(0.6 / 1.3)
-    added = [one.compute_contributions(one.build_start())[0].additive for one in (before, after)]
+    at = [np.concatenate([pack(one.contexts[0].plant), one.build_start()]) for one in (before, after)]
+    added = [one.compute_contributions(theta)[0].additive for one, theta in zip((before, after), at, strict=True)]
     assert np.max(np.abs(added[0] - added[1])) < 1e-9 * np.max(np.abs(added[0]))
     assert after.move_to((context,)).build_start() == pytest.approx(before.build_start())

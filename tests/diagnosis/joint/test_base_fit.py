@@ -30,7 +30,7 @@ def _run_away(baseline: Baseline) -> Fit:
     box, theta = baseline.box, baseline.fit.theta.copy()
     held = [BASE_NAMES.index(name) for name in ("log_breakaway", "damping_time")]
     theta[held] = np.log(JOINT.softest_bristle), box.upper[held[1]]
-    evaluate = baseline.problem.build_residual(baseline.problem.add_nothing, len(BASE_NAMES))
+    evaluate = baseline.problem.build_residual(baseline.problem.add_nothing)
     lower, upper = box.lower.copy(), box.upper.copy()
     lower[held], upper[held] = theta[held] - 1e-12, theta[held]
     return minimise(evaluate, theta, replace(box, lower=lower, upper=upper))
