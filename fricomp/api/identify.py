@@ -28,7 +28,7 @@ from fricomp.recording import Recording
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
 
 from .identification import Identification
-from .motion_doubt import doubt_for_all, doubt_for_degrees, fit_gravity_where_it_shows, tell_what_else_acts
+from .motion_doubt import doubt_for_all, doubt_for_degrees, doubt_for_step, fit_gravity_where_it_shows, tell_what_else_acts
 from .motion_law import USUAL_LAW, identify_with_law
 
 if TYPE_CHECKING:
@@ -268,7 +268,7 @@ def _identify_recording(
     if not one_way:
         motion = doubt_for_all(motion, samples, chosen, missed if settings.gravity is False else None, flag)
         notes += tell_what_else_acts(motion, samples)
-        motion = doubt_for_degrees(motion, findings)
+        motion = doubt_for_step(doubt_for_degrees(motion, findings), findings)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
     return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 

@@ -89,6 +89,19 @@ def doubt_for_degrees(motion: MotionIdentification, findings: Sequence[Finding])
     )
 
 
+def doubt_for_step(motion: MotionIdentification, findings: Sequence[Finding]) -> MotionIdentification:
+    """The motion in doubt where friction becomes another multiple of itself at once: one curve is none of both.
+
+    Args:
+        motion: As identified.
+        findings: Of the checks of its recording.
+    """
+    step = next((one for one in findings if one.code == "friction_step"), None)
+    if step is None:
+        return motion
+    return replace(motion, friction=doubted(motion.friction, Status.LACK_OF_FIT, f"{step.message}; {step.advice}"))
+
+
 def tell_what_else_acts(motion: MotionIdentification, samples: JointSamples) -> list[str]:
     """What to know of torque that is left, and of friction that changes from the beginning to the end."""
     velocity, torque = motion.points.T

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from fricomp.recording.checks.copied import find_copied_torque
 from fricomp.recording.checks.degrees import find_degrees
+from fricomp.recording.checks.gain_change import find_gain_change
 from fricomp.recording.checks.lost_sign import find_lost_sign
 from fricomp.recording.checks.motion_kind import (
     find_hand_motion,
@@ -71,6 +72,7 @@ _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other thing
     find_turns,
     find_velocity_mismatch,
     find_sign_change,
+    find_gain_change,
     find_flipped_torque,
     find_flipped_reference,
     find_one_way,

@@ -1,0 +1,90 @@
+"""A torque whose size changes within a log is named with its time; warming, payloads and load friction are none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.recording import Recording, check_recording
+from fricomp.recording.checks.gain_change import locate_torque_step
+
+from ..joint_log import COULOMB, VISCOUS, joint_log
+
+
+def _enlarge(log: Recording, start: float, factor: float) -> Recording:
+    """The log with its torque multiplied from one part of its time on."""
+    part = np.linspace(0.0, 1.0, len(log), endpoint=False)
+    return log.with_channels(torque=np.where(part >= start, factor, 1.0) * np.asarray(log.torque))
+
+
+def _list_codes(log: Recording) -> list[str]:
+    return [one.code for one in check_recording(log) if one.code in ("gain_change", "friction_step")]
+
+
+def _friction(log: Recording) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    velocity = np.gradient(log.position, log.time)
+    return np.asarray(COULOMB * np.sign(velocity) + VISCOUS * velocity)
+
+
+@pytest.mark.parametrize(("rate", "seed"), [(50.0, 2), (200.0, 5), (1000.0, 9)])
+@pytest.mark.parametrize(("start", "factor"), [(0.3, 1.7), (0.6, 0.5), (0.75, 4.0)])
+def test_a_torque_that_changes_its_size_is_told_with_time_and_factor(
+    start: float, factor: float, rate: float, seed: int
+) -> None:
+    log = joint_log(30.0, rate, seed)
+    assert _list_codes(log) == []
+    step = locate_torque_step(_enlarge(log, start, factor))
+    assert step is not None
+    assert step.is_gain
+    assert step.factor == pytest.approx(factor, rel=0.05)
+    assert step.before - 0.5 < 30.0 * start < step.after + 0.5
+
+
+def test_the_advice_cuts_the_log_into_parts_with_one_size() -> None:
+    log = _enlarge(joint_log(30.0, 250.0, 4), 0.5, 1.6)
+    (found,) = [one for one in check_recording(log) if one.severity == "error"]
+    assert found.code == "gain_change"
+    to, start = (
+        float(found.advice.partition(f"{option} ")[2].split(",")[0].split(")")[0]) for option in ("--to", "--from")
+    )
+    assert _list_codes(log.window(0.0, to)) == []
+    assert _list_codes(log.window(start, 31.0)) == []
+
+
+@pytest.mark.parametrize("seed", [1, 6])
+def test_two_logs_glued_at_a_gap_are_told(seed: int) -> None:
+    log = _enlarge(joint_log(30.0, 250.0, seed), 0.5, 0.6)
+    later = np.asarray(log.time) >= 15.0
+    glued = log.with_channels(time=np.asarray(log.time) + np.where(later, 240.0, 0.0))
+    assert "gain_change" in _list_codes(glued)
+
+
+@pytest.mark.parametrize("seed", [1, 6, 8])
+@pytest.mark.parametrize("settles", [0.08, 0.4])
+def test_friction_that_warms_up_is_none(settles: float, seed: int) -> None:
+    log = joint_log(30.0, 250.0, seed)
+    part = np.linspace(0.0, 1.0, len(log))
+    lost = 0.4 * (1.0 - np.exp(-part / settles))
+    assert _list_codes(log.with_channels(torque=np.asarray(log.torque) - lost * _friction(log))) == []
+
+
+@pytest.mark.parametrize("seed", [1, 6, 8])
+@pytest.mark.parametrize("share", [0.0, 0.2])
+def test_a_payload_that_comes_on_with_its_own_friction_is_none(share: float, seed: int) -> None:
+    log = joint_log(30.0, 250.0, seed)
+    later = np.linspace(0.0, 1.0, len(log)) > 0.45
+    velocity = np.gradient(log.position, log.time)
+    weight = np.where(later, 1.8, 1.0) * 3.0 * np.cos(log.position)
+    load = (
+        weight
+        + share * np.abs(weight) * np.sign(velocity)
+        + np.where(later, 0.1, 0.0) * np.gradient(velocity, log.time)
+    )
+    assert "gain_change" not in _list_codes(log.with_channels(torque=np.asarray(log.torque) + load))
+
+
+@pytest.mark.parametrize("seed", [3, 7])
+def test_friction_alone_that_steps_is_told_as_such(seed: int) -> None:
+    log = joint_log(30.0, 250.0, seed)
+    later = np.linspace(0.0, 1.0, len(log)) > 0.5
+    assert _list_codes(log.with_channels(torque=np.asarray(log.torque) + later * _friction(log))) == ["friction_step"]
