@@ -28,7 +28,13 @@ from fricomp.recording import Recording
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
 
 from .identification import Identification
-from .motion_doubt import doubt_for_all, doubt_for_degrees, doubt_for_step, fit_gravity_where_it_shows, tell_what_else_acts
+from .motion_doubt import (
+    doubt_for_all,
+    doubt_for_degrees,
+    doubt_for_step,
+    fit_gravity_where_it_shows,
+    tell_what_else_acts,
+)
 from .motion_law import USUAL_LAW, identify_with_law
 
 if TYPE_CHECKING:
