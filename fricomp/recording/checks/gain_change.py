@@ -25,8 +25,12 @@ _GRID = 48
 """Times at which a step is tried, and again between the two beside the best."""
 _ROUNDS = 3
 """Times that the grid is made finer; 48 times 24 times 24 blocks are nine minutes at 50 blocks a second."""
-_FACTORS = np.geomspace(1.0 / 32.0, 32.0, 41)
+_MOST = 16.0
+"""Factor from which on one part has no torque to speak of: none was recorded there, or none was needed."""
+_FACTORS = np.geomspace(1.0 / _MOST, _MOST, 33)
 """Factors that are tried first; each round tries them closer around the best."""
+_BOUND = 0.99
+"""Part of the way to the bound from which on a factor is at it."""
 _CLOSER = 0.15
 """How much closer."""
 _FEWEST = 120
@@ -139,15 +143,22 @@ def locate_torque_step(recording: Recording) -> TorqueStep | None:
         return None
     joint = _list_columns(motion, np.asarray(recording.torque), rotary=recording.metadata.motion == "rotary")
     without, apart = _measure_without(joint)
+    if without <= _RIDGE * float(np.mean(joint.target**2)):  # nothing is left, or the torque is zero
+        return None
     if joint.target.size * np.log(without / apart) < 2.0 * _SHOWN:  # not even two joints that share nothing explain it
         return None
     gain, friction, payload, freest = (_fit_step(joint, kind) for kind in (_GAIN, _FRICTION, _PAYLOAD, _FREEST))
     nats = 0.5 * joint.target.size / _count_alike(_list_left(joint, _FREEST, freest))
-    is_gain = nats * np.log(friction.left / gain.left) > _TOLD
+    is_gain = bool(nats * np.log(friction.left / gain.left) > _TOLD)
     best = gain if is_gain else friction
     shown, told = nats * np.log(without / best.left), nats * np.log(payload.left / best.left)
     missed = np.log(best.left / freest.left) / np.log(without / freest.left)
-    if shown < _SHOWN or told < _TOLD or missed > _MISSED or abs(np.log(best.factor)) < np.log(_LEAST):
+    if (
+        shown < _SHOWN
+        or told < _TOLD
+        or missed > _MISSED
+        or not np.log(_LEAST) < abs(np.log(best.factor)) < _BOUND * np.log(_MOST)
+    ):
         return None
     before, after = motion.time[motion.rows][best.row - 1 : best.row + 1].tolist()
     if not is_gain and after - before > _REST and 1.0 < best.factor < _COOLED:
@@ -183,7 +194,8 @@ def _measure_without(joint: _Joint) -> tuple[float, float]:
     square = float(one.target @ one.target)
     apart = _solve(grams[:-1], moments[:-1]) + _solve(grams[-1] - grams[:-1], moments[-1] - moments[:-1])
     without = square - float(_solve(grams[-1], moments[-1]))
-    return without / (count - width), (square - float(np.max(apart))) / (count - 2 * width)
+    least = _RIDGE * square  # of which rounding leaves no less
+    return without / (count - width), max(square - float(np.max(apart)), least) / (count - 2 * width)
 
 
 def _fit_step(joint: _Joint, kind: _Kind) -> _Fit:
@@ -195,7 +207,7 @@ def _fit_step(joint: _Joint, kind: _Kind) -> _Fit:
     for _ in range(_ROUNDS):
         explained = _explain(joint, kind, rows, factors)
         i, j = (int(k) for k in np.unravel_index(np.argmax(explained), explained.shape))
-        best = _Fit(int(rows[i]), float(factors[j]), (square - float(explained[i, j])) / free)
+        best = _Fit(int(rows[i]), float(factors[j]), max(square - float(explained[i, j]), _RIDGE * square) / free)
         near = np.linspace(rows[max(i - 1, 0)], rows[min(i + 1, rows.size - 1)], _GRID // 2)
         rows, factors = np.unique(np.rint(near).astype(np.intp)), best.factor * (factors / factors[j]) ** _CLOSER
     return best

@@ -88,3 +88,27 @@ def test_friction_alone_that_steps_is_told_as_such(seed: int) -> None:
     log = joint_log(30.0, 250.0, seed)
     later = np.linspace(0.0, 1.0, len(log)) > 0.5
     assert _list_codes(log.with_channels(torque=np.asarray(log.torque) + later * _friction(log))) == ["friction_step"]
+
+
+@pytest.mark.parametrize("torque", [0.0, 1.5])
+def test_a_torque_without_any_change_is_none(torque: float) -> None:
+    log = joint_log(30.0, 250.0, 3)
+    assert locate_torque_step(log.with_channels(torque=np.full(len(log), torque))) is None
+
+
+def test_a_part_without_torque_is_no_other_size_of_it() -> None:
+    log = joint_log(30.0, 250.0, 3)
+    assert locate_torque_step(_enlarge(log, 0.4, 1e-3)) is None
+
+
+def test_a_joint_without_any_noise_has_none_but_its_own() -> None:
+    log = joint_log(30.0, 250.0, 3)
+    velocity = 2.0 * np.cos(np.asarray(log.time))
+    exact = log.with_channels(position=2.0 * np.sin(np.asarray(log.time)), torque=0.4 * np.sign(velocity) + velocity)
+    bare = Recording.from_channels(
+        {name: exact.channels[name] for name in ("time", "position", "torque")}, log.metadata
+    )
+    assert locate_torque_step(bare) is None
+    step = locate_torque_step(_enlarge(bare, 0.5, 2.0))
+    assert step is not None
+    assert step.factor == pytest.approx(2.0, rel=0.01)
