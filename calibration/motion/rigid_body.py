@@ -92,7 +92,7 @@ def fit_rigid_body(
         raise IdentificationError(NOT_APART)
     viscous, coulomb = fit.solution[-2:].tolist()
     deviations = tuple(np.sqrt(np.diag(fit.covariance))[-2:].tolist())
-    residual = float(np.sqrt(np.mean(fit.error**2) / np.mean(torque**2)))
+    residual = float(np.sqrt(np.mean(fit.error**2) / max(float(np.mean(torque**2)), 1e-300)))
     empty = RigidBodyFit(0.0, viscous, coulomb, 0.0, (0.0, 0.0), (0.0, *deviations, 0.0), (0.0, 0.0), residual)
     if springs:
         at = body.shape[1]

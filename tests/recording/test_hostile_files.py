@@ -9,7 +9,7 @@ from fricomp.recording.sources import mat_file
 
 from .hostile_files import FORMATS, MatlabReader, read_hostile, write_seed_file
 
-COUNT = dict.fromkeys(FORMATS, 90) | {"mat": 6, "mat-bare": 6}  # a process a file
+COUNT = dict.fromkeys(FORMATS, 90) | {"mat": 6, "mat-bare": 6, "hdf5": 6}  # a process a file
 
 
 @pytest.mark.parametrize("name", FORMATS)

@@ -24,7 +24,7 @@ def find_lost_sign(recording: Recording) -> tuple[Finding, ...]:
     """A torque that never changes its sign, and is that of a joint once it does."""
     torque = np.asarray(recording.torque)
     size = float(np.max(np.abs(torque)))
-    if size == 0.0 or min(float(np.max(torque)), -float(np.min(torque))) > _BELOW_ZERO * size:
+    if np.ptp(torque) == 0.0 or min(float(np.max(torque)), -float(np.min(torque))) > _BELOW_ZERO * size:
         return ()
     motion = average_motion(recording)
     if motion is None or not _has_lost_sign(motion, np.abs(torque), rotary=recording.metadata.motion == "rotary"):

@@ -12,7 +12,7 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning, says_counts
-from .head_fact import say_head_facts
+from .head_fact import find_counts_beside, say_head_facts
 
 _FAR = 8.0 * np.pi
 """Way of an axis without a unit [rad], above which it is as likely in degrees or mm: four turns of a joint."""
@@ -71,6 +71,8 @@ def with_device_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
         return replace(meaning, unit=RAW_UNIT)
     if meaning.channel in _LENGTHS and not meaning.unit and _INCHES.search(name) and _has_pounds(beside):
         return replace(meaning, unit="in")
+    if meaning.channel in ("position", "motor_position") and not meaning.unit and find_counts_beside(beside):
+        return replace(meaning, unit=RAW_UNIT) if _are_whole(beside[name]) else meaning
     return meaning
 
 
@@ -125,7 +127,7 @@ def explain_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, 
             f"{path}: {column!r} is a part of the supply, and no torque: write {channel} = {{ column = {column!r}, "
             'scale = SUPPLY/100 } with the number worked out and torque_unit = "V", SUPPLY in V, or record the current'
         )
-    return say_head_facts(path, _ask_unit(path, channel, column, meaning, beside), column)
+    return say_head_facts(path, _ask_unit(path, channel, column, meaning, beside), column, beside)
 
 
 def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> str:

@@ -7,7 +7,7 @@ that is said beside what is asked for, and not done.
 import csv
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +17,7 @@ from fricomp.recording.sources.text import find_encoding
 from fricomp.recording.sources.text_layout import FIRST_LINES, find_layout
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import read_unit
+from fricomp.recording.validity import Samples
 
 _PER_TURN = r"(?:/|per|a|pro)[ _]*(?:rev\w*|turn|umdrehung)"
 _CALLED = {
@@ -103,15 +104,16 @@ def _read_value(name: str, unit: str, number: str, over: str, behind: str) -> fl
     return value if value == round(value) else None
 
 
-def say_head_facts(path: Path, text: str, column: str = "") -> str:
+def say_head_facts(path: Path, text: str, column: str = "", beside: Mapping[str, Samples] | None = None) -> str:
     """A message with what of the things that it asks for stands in the file; as it is where none does.
 
     Args:
         path: Of the file.
         text: Of the message, with `RATED`, `COUNTS_A_TURN` and the like.
         column: Name of the column, which may state its counts a turn itself.
+        beside: All columns by name, of which those of one number may be facts.
     """
-    facts = read_head_facts(path) | _find_counts(column)
+    facts = read_head_facts(path) | find_counts_beside(beside or {}) | _find_counts(column)
     if "gear" in text and "RATIO" in facts and "RATIO" not in text:
         text = text.replace("gear ratio", "gear ratio RATIO", 1)
     known = [f"{name} is {one.value:.6g} by {one.said!r}" for name, one in facts.items() if name in text]
@@ -131,6 +133,20 @@ def fill_head_facts(path: Path, line: str, column: str) -> str:
         filled = line.replace("VALUE_OF_ONE", f"{math.tau / counts.value:.9g}")
         return f"{filled}  # by {counts.said!r}; over the gear ratio where it is a motor's"
     return line
+
+
+def find_counts_beside(columns: Mapping[str, Samples]) -> dict[str, HeadFact]:
+    """Counts of a turn that stand beside the columns as one number: `cpr` in a NumPy archive, or an attribute of HDF5.
+
+    Nothing where several are stated that differ.
+    """
+    called = re.compile(rf"(?:.*[._/ ])?(?:{_CALLED['COUNTS_A_TURN']})", re.IGNORECASE)
+    known = {name: float(values[0]) for name, values in columns.items() if values.size == 1 and called.fullmatch(name)}
+    stated = {value for value in known.values() if value > 0.0 and value == round(value)}
+    if len(stated) != 1:
+        return {}
+    (value,) = stated
+    return {"COUNTS_A_TURN": HeadFact(value, next(name for name, one in known.items() if one == value))}
 
 
 def _find_counts(column: str) -> dict[str, HeadFact]:

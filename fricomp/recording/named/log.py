@@ -24,7 +24,7 @@ from .current_size import say_current_size
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import explain_unit, find_rating_parts, refuse_axis
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
-from .missing import explain_missing
+from .missing import explain_missing, say_left_out
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_first_lines, read_named_columns
 from .sparse import join_sparse
@@ -157,6 +157,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += say_torque_constant(path, columns, sources[first.joint]["torque"][0])
         notes += say_current_size(path, recordings[0], sources[first.joint])
     notes.append(_say_columns(path, recordings, sources))
+    notes += say_left_out(path, columns, sources)
     notes += _say_missing_unit(path, recordings[0], sources[recordings[0].metadata.joint])
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
 

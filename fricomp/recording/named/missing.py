@@ -22,6 +22,8 @@ _PHASE = re.compile(r"(?:^|[_./ ])(?:[iI]|[Pp]hase|[Cc]urrent)[_ ]?([abcuvwABCUV
 """Name of the current of a phase: `i_a`, `phase_u`, `motor.current_C [A]`."""
 _ADDS_UP = 0.1
 """Deviation of the sum of three currents, in that of each, up to which they are those of three phases."""
+_MOST_LEFT_OUT = 6
+"""Columns that were not used, of which so many are named."""
 _FIRST_ROWS = 4
 """Rows in which bytes in hexadecimal are looked for."""
 
@@ -107,3 +109,25 @@ def _varies(values: Samples) -> bool:
 def _rises_evenly(values: Samples) -> bool:
     """Whether a column rises by the same from row to row. Shape (n_rows,)."""
     return values.size > 1 and bool(np.all(np.diff(values) == values[1] - values[0]))
+
+
+def say_left_out(
+    path: Path, columns: Mapping[str, Samples], sources: Mapping[str, Mapping[str, tuple[str, ColumnMeaning]]]
+) -> list[str]:
+    """Which columns of a log of one joint were not used, those first that are called as a quantity: one may be missed.
+
+    Args:
+        path: Of the file, for messages.
+        columns: All by name.
+        sources: Column and meaning by joint and channel.
+    """
+    if len(sources) != 1:
+        return []
+    taken = {name for own in sources.values() for name, _ in own.values()}
+    left = [name for name, values in columns.items() if isinstance(name, str) and name not in taken and values.size > 1]
+    changing = [name for name in left if np.ptp(np.nan_to_num(columns[name])) > 0.0]
+    told = sorted(changing, key=lambda name: read_column_name(name) is None)[:_MOST_LEFT_OUT]
+    if not told:
+        return []
+    more = f" and {len(changing) - len(told)} more" if len(changing) > len(told) else ""
+    return [f"{path.name}: not used: {', '.join(map(repr, told))}{more}; --channel CHANNEL=NAME takes one."]

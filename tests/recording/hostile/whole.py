@@ -57,6 +57,17 @@ def _recording() -> Recording:
     return Recording.from_channels(_columns(), RecordingMetadata(joint="elbow"))
 
 
+def _write_hdf5(path: Path) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        group = file.create_group("observations")
+        for name, values in _columns().items():
+            group.create_dataset(name, data=values, compression="gzip" if name == "torque" else None)
+        group.attrs["unit"] = "rad"
+        file["names"] = ["elbow", "wrist"]
+
+
 def _write_mat(path: Path, *, packed: bool = True) -> None:
     from scipy.io import savemat
 
@@ -192,6 +203,7 @@ FORMATS: dict[str, Format] = {
     "parquet": _log("a.parquet", _write_text, "parquet"),
     "feather": _log("a.feather", _write_feather, "feather"),
     "mat": _log("a.mat", _write_mat, "mat"),
+    "hdf5": _log("a.h5", _write_hdf5),
     "mat-bare": Format("a.mat", partial(_write_mat, packed=False), (_read_array,)),
     "npy": _log(
         "a.npy", lambda path: np.save(path, np.column_stack(list(_columns().values()))), "npy", None, _read_array
