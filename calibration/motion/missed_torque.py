@@ -14,6 +14,9 @@ from .rigid_body import RigidBodyFit, fit_rigid_body
 
 _HEAVY = 0.5
 """What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""
+_SHOWS, _TAKES = 0.8, 0.25
+"""The same of gravity that takes a constant torque with it, and the part of that torque which it may leave: friction that
+bends leaves much in both fits, and a constant torque would count as friction that differs between the directions."""
 _SURE = 4.0
 """Standard deviations that it must have."""
 _UNKNOWN = 0.5
@@ -50,7 +53,14 @@ def find_missed_gravity(samples: JointSamples, settings: RegressionSettings) -> 
     without, heavy = fits
     if _shows_inertia(without) and not _shows_inertia(heavy):
         return None  # of a single swing the angle goes with the acceleration: gravity stands in for the inertia
-    return _judge(without, heavy, float(np.hypot(*heavy.gravity)), max(heavy.gravity_deviations))
+    most = _SHOWS if _takes_offset(without, heavy) else _HEAVY
+    return _judge(without, heavy, float(np.hypot(*heavy.gravity)), max(heavy.gravity_deviations), most)
+
+
+def _takes_offset(without: RigidBodyFit, heavy: RigidBodyFit) -> bool:
+    """Whether a constant torque that matters is next to nothing once gravity is fitted."""
+    matters = abs(without.offset) > _MATTERS * without.coulomb_torque
+    return matters and abs(heavy.offset) < _TAKES * abs(without.offset)
 
 
 def _shows_inertia(body: RigidBodyFit) -> bool:
@@ -174,9 +184,11 @@ def _fit_both(
         return None
 
 
-def _judge(without: RigidBodyFit, more: RigidBodyFit, size: float, deviation: float) -> MissedTorque | None:
-    """What is missed, where it explains most and is sure."""
-    if more.residual > _HEAVY * without.residual or abs(size) < _SURE * deviation:
+def _judge(
+    without: RigidBodyFit, more: RigidBodyFit, size: float, deviation: float, most: float = _HEAVY
+) -> MissedTorque | None:
+    """What is missed, where it leaves no more than a part and is sure."""
+    if more.residual > most * without.residual or abs(size) < _SURE * deviation:
         return None
     return MissedTorque(size, without.residual, more.residual)
 

@@ -46,6 +46,34 @@ def test_gravity_that_a_small_angle_makes_constant_is_no_friction_of_one_directi
     assert abs(uneven) == pytest.approx(size * abs(np.sin(angle)), rel=0.2)
 
 
+_WIDE = ((0.4, 0.35), (0.25, 0.9), (0.1, 2.1))
+"""The same over an angle that tells gravity from a constant torque."""
+
+
+def _bend(log: Recording, size: float) -> Recording:
+    """The log with a Stribeck effect, which a fit of Coulomb and viscous friction leaves."""
+    velocity = np.gradient(log.position, log.time)
+    return log.with_channels(torque=log.torque + size * np.sign(velocity) * np.exp(-((velocity / 0.4) ** 2)))
+
+
+@pytest.mark.parametrize(("size", "angle", "seed"), [(0.3, 0.9, 4), (0.25, -1.0, 5), (0.2, 2.2, 6)])
+def test_gravity_beside_friction_that_bends_is_no_friction_of_one_direction(
+    size: float, angle: float, seed: int
+) -> None:
+    found = fricomp.identify(_bend(_weigh(joint_log(20.0, 500.0, seed, _WIDE), size, angle), 0.25))
+    assert found.motion is not None
+    assert np.hypot(*found.motion.rigid_body.gravity) == pytest.approx(size, rel=0.15)
+    assert float(found.model.torque(1.2) + found.model.torque(-1.2)) == pytest.approx(0.0, abs=0.1 * COULOMB)
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_friction_that_bends_and_differs_between_the_directions_is_no_gravity(seed: int) -> None:
+    log = _bend(joint_log(20.0, 500.0, seed, _WIDE), 0.25)
+    found = fricomp.identify(log.with_channels(torque=log.torque + 0.1))
+    assert found.motion is not None
+    assert not any(found.motion.rigid_body.gravity)
+
+
 def test_friction_that_holds_gravity_is_not_usable() -> None:
     without = fricomp.identify(_weigh(joint_log(20.0, 250.0, 1), 3.0, 0.2), law="coulomb_viscous", gravity=False)
     assert not without.is_usable
