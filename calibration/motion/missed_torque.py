@@ -16,7 +16,9 @@ _HEAVY = 0.5
 """What gravity or a spring that is missed leaves unexplained, over what is so without it. Cogging leaves more."""
 _SHOWS, _TAKES = 0.8, 0.25
 """The same of gravity that takes a constant torque with it, and the part of that torque which it may leave.
-Friction that bends leaves much in both fits, and a constant torque would count as friction that differs between the directions."""
+
+Friction that bends leaves much in both fits, and a constant torque would count as friction of one direction.
+"""
 _SURE = 4.0
 """Standard deviations that it must have."""
 _UNKNOWN = 0.5
