@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,7 +45,8 @@ def test_nothing_is_said_of_what_never_changes(tmp_path: Path) -> None:
 @pytest.mark.parametrize("fact", ["cpr", "encoder_cpr", "counts_per_rev"])
 def test_counts_of_a_turn_beside_the_arrays_are_told(fact: str, position: str, tmp_path: Path) -> None:
     path = tmp_path / "log.npz"
-    np.savez(path, **{"time": LOG.time, position: COUNTS, "torque": LOG.torque, fact: 16384})
+    arrays: dict[str, Any] = {"time": LOG.time, position: COUNTS, "torque": LOG.torque, fact: 16384}
+    np.savez(path, **arrays)
     with pytest.raises(RecordingError, match="in this file COUNTS_A_TURN is 16384"):
         read_named_log(path)
 
