@@ -7,26 +7,21 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2
 
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.root_mean_square import compute_rms
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
-from .coordinates import ArmModel
-from .equations import ArmEquations
-from .fit import Z95, ArmFit
-from .friction import TERMS, JointForm
+from .fit import ArmFit
+from .friction import TERMS
 from .glance import Glance
-from .identification import EVIDENCE, ArmIdentification
+from .identification import ArmIdentification
 from .matter import LEAST_MATTER
 from .own_delay import find_own_delay
-from .physics import find_reversed_term, is_whole
-from .prior import ArmPrior
+from .physics import is_whole
+from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
-from .rows import ArmRows
 from .search.early_torque import EarlyTorques
-from .search.stribeck import suit_curve
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -42,9 +37,6 @@ whatever they are."""
 _LEAST_FALL_OF_A_GAIN = 0.25
 """The same of the scale of one joint's torque. It is known only by comparison with other joints, so that what is wrong
 with their models looks like it: on a real arm one joint gains a sixth by it. A delay shows in its own joint."""
-
-_MOST_GAIN = 3.5
-"""Prior deviations by which a gain of all torques may be off: by more, it is the unit of the torques, or no gain."""
 
 
 @dataclass(frozen=True)
@@ -80,19 +72,34 @@ class ArmAnswer:
     own_delays: tuple[tuple[float, float], ...]
 
     def is_named(self, joint: int, term: str) -> bool:
-        """Whether a term of a joint is physics that matters.
-
-        It heads its family, recurs, lowers the held-out error, is no trifle, its interval does not hold a joint without
-        it, and its variant is not the last that was tried.
-        """
+        """Whether a term of a joint is physics that matters: an effect that lacks nothing."""
         form = self.identification.fit.model.forms[joint]
-        if term not in EFFECTS or form.find_head(term) != term or self.evidence[joint, term].recurrence < RECURRENCE:
-            return False
-        fit = self.identification.fit
-        matters = self.evidence[joint, term].fall >= LEAST_FALL and self._measure_part(joint, term) >= LEAST_MATTER
-        sized = _measure_size(fit, joint, term) > 1.0 and _has_value(term, dict(form.terms)[term])
-        timed = term != "torque_delay" or joint not in self._unshown
-        return matters and sized and is_whole(fit, joint, term) and timed
+        return term in EFFECTS and form.find_head(term) == term and not self.find_lack(joint, term)
+
+    def find_lack(self, joint: int, term: str) -> str:
+        """What keeps a term of a joint that heads its family from its name, in words; empty where nothing does.
+
+        It recurs, lowers the held-out error, is no trifle, its interval does not hold a joint without it, and its
+        variant is not the last that was tried.
+        """
+        fit, evidence = self.identification.fit, self.evidence[joint, term]
+        variant = dict(fit.model.forms[joint].terms)[term]
+        if evidence.recurrence < RECURRENCE:
+            return f"only {evidence.recurrence:.0%} of the halves of the recording ask for it"
+        if evidence.fall < LEAST_FALL:
+            return f"it lowers the held-out error by {max(evidence.fall, 0.0):.0%} only"
+        if self._measure_part(joint, term) < LEAST_MATTER:
+            return f"it is less than {LEAST_MATTER:.1%} of the friction of its joint"
+        if not measure_size(fit, joint, term) > 1.0:
+            return "its interval holds a joint without it"
+        if not _has_value(term, variant):
+            label = TERMS[term].label.replace("_", " ")
+            return f"what fits best is at the end of what was tried of its {label}, so that it may be something else"
+        if not is_whole(fit, joint, term):
+            return "less than half of what its law asks for is there"
+        if term == "torque_delay" and joint in self._unshown:
+            return "links and friction do not ask for it both"
+        return ""
 
     def list_unnamed(self, joint: int) -> dict[str, float]:
         """Effects of a joint that stay in the model without a name and are no trifle, with what each lowers the
@@ -156,116 +163,6 @@ def _has_value(term: str, variant: int) -> bool:
     return variant not in ends.get(term, ())
 
 
-def _measure_size(fit: ArmFit, joint: int, term: str) -> float:
-    """How far a term's parameters are from none of it, in the 95 % region about them; below 1 it holds none."""
-    place, names = fit.find_friction(joint)
-    own = TERMS[term].names(dict(fit.model.forms[joint].terms)[term])
-    at = [place.start + names.index(name) for name in own]
-    value, spread = fit.x[at], fit.covariance[np.ix_(at, at)]
-    return float(value @ np.linalg.solve(spread, value)) / float(chi2.ppf(0.95, len(at)))
-
-
-def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
-    """The model without a form of an effect that is none of it where another form is beside it; None for no such."""
-    sizes = {
-        (j, name): _measure_size(fit, j, name)
-        for j, form in enumerate(fit.model.forms)
-        for name in form.names
-        if form.has_other_form(name)
-    }
-    joint, name = min(sizes, key=lambda key: sizes[key], default=(0, ""))
-    if not name or sizes[joint, name] >= 1.0:
-        return None
-    forms = list(fit.model.forms)
-    forms[joint] = JointForm(tuple(term for term in forms[joint].terms if term[0] != name))
-    return replace(fit.model, forms=tuple(forms))
-
-
-def _drop_needless_bend(
-    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, kept: set[tuple[int, JointForm]]
-) -> ArmModel | None:
-    """The model without a bend over the speed that the curve of its joint makes as well; None for no such.
-
-    Args:
-        rows: Motion and torques.
-        equations: Of these rows.
-        fit: Of these equations.
-        prior: How far the simulation is trusted.
-        kept: Joints with forms of which that is known not to be so; those that are found are added.
-    """
-    for j, form in enumerate(fit.model.forms):
-        if (j, form) in kept:
-            continue
-        for name in (one for one in form.names if TERMS[one].family == "speed"):
-            instead = suit_curve(rows, equations, fit, prior, without_term(fit.model, j, name), j)
-            if instead is not None and instead[1] < EVIDENCE:
-                return instead[0]
-        kept.add((j, form))
-    return None
-
-
-def _free_viscous(
-    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, freed: set[int]
-) -> ArmModel | None:
-    """The model in which viscous friction that was held at zero is free beside a curve that suits it; None for no such.
-
-    While terms are chosen it may be below zero, and makes up for a curve that falls over most speeds.
-
-    Args:
-        rows: Motion and torques.
-        equations: Of these rows.
-        fit: Of these equations.
-        prior: How far the simulation is trusted.
-        freed: Joints at which that was tried; those that are tried are added.
-    """
-    for j, form in enumerate(fit.model.forms):
-        if (j, "viscous") not in fit.model.pinned or j in freed or "power_law_viscous" in form.names:
-            continue
-        freed.add(j)
-        free = replace(fit.model, pinned=frozenset(one for one in fit.model.pinned if one[0] != j))
-        other = suit_curve(rows, equations, fit, prior, free, j)
-        if other is not None and other[1] < 0.0:
-            return other[0]
-    return None
-
-
-def _drop_empty_lean(fit: ArmFit) -> ArmModel | None:
-    """The model whose gravity does not lean over, where the intervals along both axes hold none; None for no such."""
-    value, spread = fit.lean
-    is_empty = fit.model.tilted and bool(np.all(np.abs(value) < Z95 * spread))
-    return replace(fit.model, tilted=False) if is_empty else None
-
-
-def _drop_far_gain(fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
-    """The model without a gain of all torques that is further off than it may be; None for no such.
-
-    With all links at once it takes the place of what was not found yet when it was taken in.
-    """
-    is_far = fit.model.gain and abs(fit.gain[0] - 1.0) > _MOST_GAIN * prior.gain
-    return replace(fit.model, gain=False) if is_far else None
-
-
-def _drop_reversed_term(fit: ArmFit) -> ArmModel | None:
-    """The model without a term that came out turned round; None for no such."""
-    turned = find_reversed_term(fit)
-    return None if turned is None else without_term(fit.model, *turned)
-
-
-def _drop_turned_delay(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
-    """The model without a delay of one joint that came out early and is not shown to be; None for no such.
-
-    Late when it was taken in, it stands in for friction that turns before its joint does once rows near reversals count
-    for less.
-    """
-    (name,) = TERMS["torque_delay"].names(0)
-    early = [j for j in range(len(fit.arm.joints)) if fit.friction(j).get(name, 0.0) < 0.0]
-    if not early:
-        return None
-    glance, torques = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
-    unshown = next((j for j in early if not torques.shows(j, glance)), None)
-    return None if unshown is None else without_term(fit.model, unshown, "torque_delay")
-
-
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """Keep the terms that come again in halves of the recording, and measure what they matter on held-out data.
 
@@ -275,19 +172,10 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
-    bent: set[tuple[int, JointForm]] = set()
-    freed: set[int] = set()
+    pruning = Pruning(prior)
     while True:
         widened = widen_covariance(fit, equations, rows)
-        less = (
-            _drop_empty_form(widened)
-            or _drop_empty_lean(widened)
-            or _drop_far_gain(fit, prior)
-            or _drop_reversed_term(fit)
-            or _drop_turned_delay(rows, equations, fit, prior)
-            or _drop_needless_bend(rows, equations, fit, prior, bent)
-            or _free_viscous(rows, equations, fit, prior, freed)
-        )
+        less = pruning.find_less(rows, equations, fit, widened)
         if less is not None:
             fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
             continue

@@ -15,7 +15,7 @@ from fricomp.simulation_file import list_joints
 from .answer import ArmAnswer, confirm_terms
 from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
-from .identification import ArmIdentification, Progress, identify_arm
+from .identification import ArmIdentification, Progress, identify_arm, identify_without
 from .left_out.guided import find_guided, leave_out_spans
 from .left_out.still import find_still
 from .log.drive_gain import take_torques
@@ -91,8 +91,8 @@ def examine_arm(
     answer = confirm_terms(found, seed)
     lost = _list_gears(found) - _list_gears(answer.identification)
     if lost:
-        say("searching again, without a gear that is not borne out")
-        answer = confirm_terms(identify_arm(arm, recording, prior, progress, lost, found), seed)
+        say("searching on, without a gear that is not borne out")
+        answer = confirm_terms(identify_without(answer.identification, lost, progress), seed)
     return ArmExamination(answer, write_record(answer))
 
 

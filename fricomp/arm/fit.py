@@ -26,7 +26,7 @@ Z95 = 1.96
 """Standard deviations of a 95 % interval to each side."""
 
 _CONVERGED = 1e-8
-"""Fall of the objective in a step, as part of it, below which the fit stands still."""
+"""Fall of the objective in a step, made or promised, as part of it, below which the fit stands still."""
 
 _PARTS = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Of a Gauss-Newton step that are tried, longest first: inertia is quadratic in its coordinates."""
@@ -188,7 +188,11 @@ def _descend(
     value = judge(x, seen.cost)
     for _ in range(steps):
         scaled = seen.curvature * np.outer(deviation, deviation) + np.eye(x.size)
-        step = deviation * np.linalg.solve(scaled, deviation * seen.pull - (x - mean) / deviation)
+        pull = deviation * seen.pull - (x - mean) / deviation
+        step = np.linalg.solve(scaled, pull)
+        if pull @ step <= _CONVERGED * abs(value):
+            break
+        step *= deviation
         there, best = x, value
         for part in _PARTS:
             there = x + part * step

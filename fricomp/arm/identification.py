@@ -10,7 +10,7 @@ again in halves of the recording, or hardly changes the held-out error, is left 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,29 +24,25 @@ from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
 from .friction import GEARS
 from .glance import Glance
-from .physics import is_physical, is_whole
+from .physics import is_physical, is_whole, let_go_of_zero
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .robust_fit import fit_robustly
 from .rows import ArmRows
+from .search.delay_correction import move_torques, take_off_delay
 from .search.early_torque import EarlyTorques
 from .search.gear import YIELDING_GEAR, GearSearch
 from .search.proposal import propose_models
 from .search.ripple import propose_ripples
-from .search.shared_delay import SharedDelay, measure_delay, measure_seen, share_delays
+from .search.shared_delay import SharedDelay, share_delays
 from .search.stribeck import is_curve
 
-__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm"]
+__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm", "identify_without"]
 
 Progress = Callable[[str], None]
 
-_DELAY_ROUNDS, _PASSES = 6, 2
-"""Of the search for a delay, and of delay and model in turn."""
-
-_HOLD, _SURELY = 0.5, 2.0
-"""Of a sample's period, by which torques may be ahead of the positions without more: a command acts from its row to the
-next, in the mean half a period after it, and no row is known to be of one instant. Standard deviations by which a delay
-must be beyond that to be further: that of a command is half a period, and comes out on either side of it."""
+_PASSES = 2
+"""Of delay and model in turn."""
 
 _ALIKE = 3.0
 """Difference of such logarithms below which two explanations are said to do as well: odds of twenty to one."""
@@ -94,12 +90,7 @@ class ArmIdentification:
 
 @one_blas_thread()
 def identify_arm(
-    arm: SimulatedArm,
-    recording: ArmRecording,
-    prior: ArmPrior | None = None,
-    progress: Progress | None = None,
-    barred: frozenset[str] = frozenset(),
-    before: ArmIdentification | None = None,
+    arm: SimulatedArm, recording: ArmRecording, prior: ArmPrior | None = None, progress: Progress | None = None
 ) -> ArmIdentification:
     """Identify links, rotors and friction of a whole arm.
 
@@ -108,8 +99,6 @@ def identify_arm(
         recording: All joints, moving.
         prior: How far the simulation is trusted.
         progress: Called with a few words before each step.
-        barred: Things that are not looked for, by the names of `propose_models`.
-        before: An answer on the same recording, whose bandwidth is begun with.
 
     Raises:
         IdentificationError: No joint moves, or the recording is too short.
@@ -119,128 +108,126 @@ def identify_arm(
         raise IdentificationError("no joint moves in this recording")
     say("choosing the bandwidth")
     plain = ArmModel.build_plain(len(arm.joints))
-    rows, begun = choose_rows(arm, recording, plain, prior) if before is None else before.begun
-    found = _search(rows, begun, arm, recording, prior, say, barred=barred)
-    higher = raise_cutoff(found.rows, found.equations, found.fit, recording, prior, begun.weights.noise)
-    if higher is not None:
-        found = _search(*higher, arm, recording, prior, say, found, barred)
-    fit, equations = fit_robustly(arm, found.rows, found.equations, found.fit.model, prior, found.fit, settled=True)
-    return replace(found, fit=fit, equations=equations, begun=(rows, begun))
+    rows, begun = choose_rows(arm, recording, plain, prior)
+    start = ArmSearch(arm, recording, prior, say)
+    return start.finish(start.run(rows, begun, plain, SharedDelay(0.0, 0.0, {})), rows, begun)
 
 
-def _search(
-    rows: ArmRows,
-    equations: ArmEquations,
-    arm: SimulatedArm,
-    recording: ArmRecording,
-    prior: ArmPrior,
-    say: Progress,
-    known: ArmIdentification | None = None,
-    barred: frozenset[str] = frozenset(),
+def identify_without(
+    found: ArmIdentification, barred: frozenset[str], progress: Progress | None = None
 ) -> ArmIdentification:
-    """Delay and model in turn, from a plain one.
+    """Search on from a model that was confirmed, without what was not borne out.
 
-    What is missing shifts the delay that joints ask for, and the more the wider the band is. So the one that is known
-    from another band, beside what was found there, stands until this is found again.
+    What was measured beside it is kept, and what it stood in for may be taken in now.
+
+    Args:
+        found: With the model that was confirmed.
+        barred: Things that are not looked for, by the names of `propose_models`.
+        progress: Called with a few words before each step.
     """
-    model, begun = ArmModel.build_plain(len(arm.joints)), (rows, equations)
-    trials: dict[str, float] = {}
-    rivals: dict[str, tuple[str, ...]] = {}
-    delay = SharedDelay(0.0, 0.0, {})
-    if known is not None:
-        delay, model = known.delay, replace(model, prompt=known.fit.model.prompt)
-        rows, equations = _move_torques(recording, rows, equations, delay.value)
-        model, _, equations = _take_in(rows, equations, model, prior, trials, rivals, arm, barred)
-    for _ in range(_PASSES):
-        say("finding the delay of the torques")
-        before, model = model, share_delays(model)
-        rows, equations, delay, prompt = _take_off_delay(recording, rows, equations, model, prior, delay.value, arm)
-        model = replace(model, prompt=prompt)
-        say("weighing what the simulation may have wrong")
-        model, fit, equations = _take_in(rows, equations, model, prior, trials, rivals, arm, barred)
-        if model == before:
-            break
-    return ArmIdentification(recording, rows, equations, fit, delay, prior, trials, rivals, begun)
+    search = ArmSearch(found.fit.arm, found.recording, found.prior, progress or (lambda _: None), barred)
+    search.trials |= found.trials
+    search.rivals |= found.rivals
+    model = let_go_of_zero(found.fit.model)
+    return search.finish(search.run(found.rows, found.equations, model, found.delay), *found.begun)
 
 
-def _take_off_delay(
-    recording: ArmRecording,
-    rows: ArmRows,
-    equations: ArmEquations,
-    model: ArmModel,
-    prior: ArmPrior,
-    start: float,
-    arm: SimulatedArm,
-) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
-    """Rows in which the torques are as early as the positions, and the delay that was taken off.
+@dataclass
+class ArmSearch:
+    """Looks for what the simulation has wrong.
 
-    Torques are not taken to be further ahead of the positions than a held command is where friction turns before its
-    joints do, which looks like it; nor ahead at all where a gear gives way, which does so too.
-    Whether a delay is sure is seen where it stands still: on the way there, each joint shows another part of its own.
-
-    Returns:
-        The last tells whether they look so, and are taken to be prompt.
+    Attributes:
+        arm: The simulation.
+        recording: Of its joints.
+        prior: How far it is trusted.
+        say: Called with a few words before each step.
+        barred: Things that are not looked for, by the names of `propose_models`.
+        trials: As those of `ArmIdentification`.
+        rivals: As those of `ArmIdentification`.
     """
-    total, found, moved, before, held = start, SharedDelay(start, 0.0, {}), 0.0, 0.0, -_HOLD * recording.period
-    for _ in range(_DELAY_ROUNDS):  # settled: a joint that sticks turns later than it would
-        fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
-        more = measure_delay(equations, fit, prior)
-        ahead = total + more.value < 0.0
-        beyond, early = total + more.value + _SURELY * more.deviation < held, EarlyTorques(rows, equations, fit)
-        if beyond and not early.are_all(total + fit.delay[0]):
-            at = held if early.are_held(total + fit.delay[0]) else 0.0
-            return *_move_torques(recording, rows, equations, at), more.move(total, at - total), True
-        still = abs(more.value) < 0.5 * more.deviation
-        moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
-        before = more.value
-        found = more.move(total, moved)
-        if still:
-            break
-        total = found.value
-        rows, equations = _move_torques(recording, rows, equations, total)
-    if found.is_sure or not total:
-        return rows, equations, found, ahead and not total
-    return *_move_torques(recording, rows, equations, 0.0), found._replace(value=0.0), ahead
 
+    arm: SimulatedArm
+    recording: ArmRecording
+    prior: ArmPrior
+    say: Progress
+    barred: frozenset[str] = frozenset()
+    trials: dict[str, float] = field(default_factory=dict)
+    rivals: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
-def _move_torques(
-    recording: ArmRecording, rows: ArmRows, equations: ArmEquations, delay: float
-) -> tuple[ArmRows, ArmEquations]:
-    """Rows and equations of torques that are taken to be late by this [s]."""
-    moved = rows.with_delay(recording, delay)
-    return moved, equations.with_torque(moved)
+    def finish(self, found: ArmIdentification, rows: ArmRows, begun: ArmEquations) -> ArmIdentification:
+        """Search again in a wider band where that says more, and settle.
 
+        Args:
+            found: In the band that was chosen.
+            rows: At the bandwidth that was chosen before anything was found.
+            begun: Equations there.
+        """
+        higher = raise_cutoff(found.rows, found.equations, found.fit, self.recording, self.prior, begun.weights.noise)
+        if higher is not None:
+            found = self._search_again(*higher, found)
+        model = found.fit.model
+        fit, equations = fit_robustly(self.arm, found.rows, found.equations, model, self.prior, found.fit, settled=True)
+        return replace(found, fit=fit, equations=equations, begun=(rows, begun))
 
-def _take_in(
-    rows: ArmRows,
-    equations: ArmEquations,
-    model: ArmModel,
-    prior: ArmPrior,
-    trials: dict[str, float],
-    rivals: dict[str, tuple[str, ...]],
-    arm: SimulatedArm,
-    barred: frozenset[str],
-) -> tuple[ArmModel, ArmFit, ArmEquations]:
-    """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
-    fit, equations = fit_robustly(arm, rows, equations, model, prior)
-    searches = [GearSearch(rows, fit, filled) for filled in GEARS]
-    while True:
-        equations = propose_ripples(rows, equations, fit)
-        for gears in searches:
-            equations = gears.propose(equations, fit, prior)
-        tried = _try_out(rows, equations, fit, prior, trials, barred)
-        gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
-        trials |= gains  # of the best variant of each
-        best = max(gains, key=lambda name: gains[name] - _require(name), default=None)
-        if best is None or gains[best] < _require(best):
-            return fit.model, fit, equations
-        alike = [name for name in _order(tried) if _is_rival(name, best) and gains[name] > gains[best] - _ALIKE]
-        rivals[alike[0]] = tuple(alike[1:])
-        chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
-        model = chosen.model
-        fit, equations = fit_robustly(arm, rows, equations, model, prior, chosen)
-        if alike[0].endswith(f": {YIELDING_GEAR}"):  # until then links made up for it, and what bends it hangs on them
-            searches[GEARS.index("spring")] = GearSearch(rows, fit, "spring")
+    def _search_again(self, rows: ArmRows, equations: ArmEquations, known: ArmIdentification) -> ArmIdentification:
+        """In another band.
+
+        What is missing shifts the delay that joints ask for, and the more the wider the band is. So the one that is
+        known from another band, beside what was found there, stands until this is found again.
+        """
+        plain = replace(ArmModel.build_plain(len(self.arm.joints)), prompt=known.fit.model.prompt)
+        self.trials, self.rivals = {}, {}
+        moved, equations = move_torques(self.recording, rows, equations, known.delay.value)
+        model, _, equations = self._take_in(moved, equations, plain)
+        return self.run(moved, equations, model, known.delay)
+
+    def run(self, rows: ArmRows, equations: ArmEquations, model: ArmModel, delay: SharedDelay) -> ArmIdentification:
+        """Delay and model in turn.
+
+        Args:
+            rows: With torques as early as the delay has them.
+            equations: Of these rows.
+            model: To begin with.
+            delay: As far as it is known.
+        """
+        begun = rows, equations
+        for _ in range(_PASSES):
+            self.say("finding the delay of the torques")
+            before, model = model, share_delays(model)
+            rows, equations, delay, prompt = take_off_delay(
+                self.recording, rows, equations, model, self.prior, delay.value, self.arm
+            )
+            model = replace(model, prompt=prompt)
+            self.say("weighing what the simulation may have wrong")
+            model, fit, equations = self._take_in(rows, equations, model)
+            if model == before:
+                break
+        return ArmIdentification(
+            self.recording, rows, equations, fit, delay, self.prior, self.trials, self.rivals, begun
+        )
+
+    def _take_in(
+        self, rows: ArmRows, equations: ArmEquations, model: ArmModel
+    ) -> tuple[ArmModel, ArmFit, ArmEquations]:
+        """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
+        fit, equations = fit_robustly(self.arm, rows, equations, model, self.prior)
+        searches = [GearSearch(rows, fit, filled) for filled in GEARS]
+        while True:
+            equations = propose_ripples(rows, equations, fit)
+            for gears in searches:
+                equations = gears.propose(equations, fit, self.prior)
+            tried = _try_out(rows, equations, fit, self.prior, self.trials, self.barred)
+            gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
+            self.trials |= gains  # of the best variant of each
+            best = max(gains, key=lambda name: gains[name] - _require(name), default=None)
+            if best is None or gains[best] < _require(best):
+                return fit.model, fit, equations
+            alike = [name for name in _order(tried) if _is_rival(name, best) and gains[name] > gains[best] - _ALIKE]
+            self.rivals[alike[0]] = tuple(alike[1:])
+            chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
+            fit, equations = fit_robustly(self.arm, rows, equations, chosen.model, self.prior, chosen)
+            if alike[0].endswith(f": {YIELDING_GEAR}"):  # until then links made up for it, and what bends it
+                searches[GEARS.index("spring")] = GearSearch(rows, fit, "spring")
 
 
 def _try_out(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,9 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmRecord, examination, examine_arm
+from fricomp.arm.confirmation import without_term
 from fricomp.arm.examination import match_recordings
-from fricomp.arm.identification import ArmIdentification, identify_arm
+from fricomp.arm.identification import ArmIdentification, identify_arm, identify_without
 from fricomp.arm.rigid.regressor import compute_gradients, compute_regressor
 
 from .moving_arm import bend_gear, record_arm, write_arm
@@ -54,21 +56,38 @@ def test_gradients_are_those_of_the_torque(tmp_path: Path) -> None:
     assert gradient[:, :, _ELBOW] == pytest.approx((there - back) / 2e-5, abs=1e-5)
 
 
-def test_what_is_barred_is_not_taken_in_and_a_gear_that_is_not_borne_out_is_barred(
+def test_a_gear_that_is_not_borne_out_is_barred_and_the_search_goes_on_from_what_was_confirmed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     simulation = write_arm(tmp_path)
     recordings = record_arm(simulation, follow_load, duration=10.0, rate=100.0)
-    searched: list[frozenset[str]] = []
-    gears: list[frozenset[str]] = [frozenset(), frozenset({"a: joint_elasticity"})]
+    begun: list[tuple[ArmIdentification, frozenset[str]]] = []
+    gears: list[frozenset[str]] = [frozenset({"a: joint_elasticity"}), frozenset()]
 
-    def look(*args: Any) -> ArmIdentification:
-        searched.append(args[4] if len(args) > 4 else frozenset())
-        name = f"{args[0].joints[0]}: load_coulomb"
-        return identify_arm(args[0], args[1], args[2], args[3], frozenset({name}))
+    def look(found: ArmIdentification, barred: frozenset[str], *_: Any) -> ArmIdentification:
+        begun.append((found, barred))
+        return identify_without(found, barred)
 
-    monkeypatch.setattr(examination, "identify_arm", look)
-    monkeypatch.setattr(examination, "_list_gears", lambda _: gears.pop())
+    monkeypatch.setattr(examination, "identify_without", look)
+    monkeypatch.setattr(examination, "_list_gears", lambda _: gears.pop(0))
     found = examination.examine_arm(recordings, simulation).answer.identification
-    assert searched == [frozenset(), frozenset({"a: joint_elasticity"})]
-    assert "load_coulomb" not in found.fit.model.forms[0].names
+    ((first, barred),) = begun
+    assert barred == {"a: joint_elasticity"}
+    assert [form.names for form in first.fit.model.forms] == [form.names for form in found.fit.model.forms]
+    assert first.trials.keys() <= found.trials.keys()
+
+
+def test_what_is_barred_is_not_taken_in(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    recordings = record_arm(simulation, follow_load, duration=10.0, rate=100.0)
+    found = identify_arm(*examination.match_recordings(recordings, simulation))
+    joint = next(j for j, form in enumerate(found.fit.model.forms) if "load_coulomb" in form.names)
+    less = replace(found, fit=replace(found.fit, model=without_term(found.fit.model, joint, "load_coulomb")))
+    names = {barred: _search_on(less, barred=barred).fit.model.forms[joint].names for barred in (False, True)}
+    assert "load_coulomb" in names[False]
+    assert "load_coulomb" not in names[True]
+
+
+def _search_on(found: ArmIdentification, *, barred: bool) -> ArmIdentification:
+    names = {f"{joint}: load_coulomb" for joint in found.fit.arm.joints} if barred else set()
+    return identify_without(found, frozenset(names))

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, examine_arm
-from fricomp.arm.answer import _drop_empty_lean, _drop_far_gain
 from fricomp.arm.output.corrected_simulation import correct_simulation
+from fricomp.arm.pruning import _drop_empty_lean, _drop_far_gain
 from fricomp.arm.rigid.regressor import compute_regressor, compute_regressors
 from fricomp.arm.rigid.simulated_arm import read_arm
 

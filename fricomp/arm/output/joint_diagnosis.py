@@ -35,7 +35,7 @@ from fricomp.diagnosis.search.generic import measure_time_since_reversal
 from fricomp.laws import FloatArray
 from fricomp.root_mean_square import compute_rms
 
-from ..answer import LEAST_FALL, RECURRENCE, ArmAnswer
+from ..answer import ArmAnswer
 from ..arm_recording import find_start_temperature
 from ..confirmation import ConfirmedData, without_terms
 from ..examination import ArmExamination
@@ -256,14 +256,13 @@ def _say_why_not(answer: ArmAnswer, joint: int, name: str, named: dict[str, Join
     """Why something that was tried is not named; empty for what is."""
     if name in named:
         return ""
-    evidence = answer.evidence.get((joint, name))
-    if evidence is not None and evidence.fall >= LEAST_FALL and evidence.recurrence < RECURRENCE:
-        return f"stays in the model, and only {evidence.recurrence:.0%} of the halves of the recording ask for it"
-    if evidence is not None:
-        return f"stays in the model, and lowers the held-out error by {max(evidence.fall, 0.0):.0%} only"
-    return (
-        "it makes the recording hardly more probable than the model without it, or is not found in enough of its halves"
-    )
+    if (joint, name) not in answer.evidence:
+        return (
+            "it makes the recording hardly more probable than the model without it, or is not found in enough of its "
+            "halves"
+        )
+    head = answer.identification.fit.model.forms[joint].find_head(name)
+    return f"stays in the model, and {f'mends the form of {head}' if head != name else answer.find_lack(joint, name)}"
 
 
 def _write_notes(arm: ArmRecord, record: JointRecord, verdict: VerdictName) -> Notes:

@@ -10,9 +10,10 @@ import numpy as np
 from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
 from fricomp.results import plain_name
 
+from ..confirmation import fit_plainly
 from ..examination import ArmExamination
 from ..record import ArmRecord
-from ..words.brief import write_title
+from ..words.brief import show_interval, show_quantity, write_title
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
 _TO_JOINTS = "Each joint has a page of its own, behind its name: where its mismatch sits, and what the effects explain."
@@ -35,7 +36,8 @@ def build_joint_table(record: ArmRecord) -> Table:
 def build_friction_table(record: ArmRecord) -> Table:
     """Plain friction, one joint a row."""
     rows = tuple(
-        (joint.name, _show(joint.friction["coulomb"]), _show(joint.friction["viscous"])) for joint in record.joints
+        (joint.name, *(show_quantity(joint.friction[name]) for name in ("coulomb", "viscous")))
+        for joint in record.joints
     )
     return Table(("joint", "Coulomb", "viscous"), rows, "Friction that was fitted, with 95 % intervals.")
 
@@ -47,7 +49,7 @@ def build_link_table(record: ArmRecord) -> Table:
             link.name,
             f"{link.simulated_mass:.4g}",
             f"{link.mass.value:.4g}",
-            _range(link.mass),
+            show_interval(link.mass),
             _STATES[link.state],
             ", ".join(name for name in ("mass", "x", "y", "z") if name not in link.determined) or "–",
         )
@@ -104,7 +106,7 @@ def build_arm_page(examination: ArmExamination, charts: Mapping[str, Chart], not
         subtitle=f"Compared up to {record.cutoff:g} Hz over {record.duration:.4g} s",
         summary=record.sentences,
         sections=tuple(sections),
-        facts={"joints": str(len(record.joints)), "effects named": str(named), "delay": _show(record.delay)},
+        facts={"joints": str(len(record.joints)), "effects named": str(named), "delay": show_quantity(record.delay)},
     )
 
 
@@ -118,35 +120,35 @@ def _draw_errors(record: ArmRecord) -> Chart:
         Bars(names, plain, "links and rotors fitted as well"),
         Bars(names, model, "this model"),
     )
-    panel = Panel(marks, x_label="joint", y_label="held-out error, in that of the simulation")
+    panel = Panel(marks, x_label="joint", y_label="error / that of the simulation [1]")
     return Chart("errors", "Held-out torque errors", (panel,), caption="Of data that took no part; lower is better.")
 
 
 def _draw_residuals(examination: ArmExamination) -> Chart:
+    """What the simulation and the model leave of each joint's torque, in the rows that are compared."""
     found = examination.answer.identification
-    after, time = found.fit.residuals(found.equations), found.rows.time
-    rigid, _ = found.fit.predict(found.equations)
+    rows, moving = found.rows, found.equations.moving
+    after, (_, before) = (
+        found.fit.residuals(found.equations),
+        fit_plainly(found.fit.arm, found.equations, np.ones(len(rows), dtype=bool)),
+    )
+    drawn = moving & (np.diff(rows.part, prepend=rows.part[0]) == 0)[:, None]  # no line goes over a gap
     panels = []
     for j, name in enumerate(found.fit.arm.joints[:_MOST_JOINTS]):
         unit = found.recording.metadata[j].torque_unit
-        marks = (
-            Line(time, found.rows.torque[:, j] - rigid[:, j], "without friction"),
-            Line(time, after[:, j], "with this model"),
+        marks = tuple(
+            Line(rows.time, np.where(drawn[:, j], left[:, j], np.nan), label)
+            for left, label in ((before, "by the simulation, Coulomb and viscous friction"), (after, "by this model"))
         )
-        panels.append(Panel(marks, title=name, x_label="time [s]", y_label=f"missing torque [{unit}]"))
-    caption = "What links and rotors leave is friction; what the model leaves should look like noise."
-    return Chart("residuals", "Missing torque over time", tuple(panels), caption=caption, share_x=True)
+        panels.append(Panel(marks, title=name, x_label="time [s]", y_label=f"torque error [{unit}]"))
+    caption = (
+        "Measured less computed torque where the joint moves. What the model leaves should look like noise; it is "
+        "widest near a reversal, where a joint sticks."
+    )
+    return Chart("residuals", "Torque errors over time", tuple(panels), caption=caption, share_x=True)
 
 
 def _show_way(before: float, after: float, unit: str) -> str:
     """Two errors of a position [rad] or [m], in thousandths where both are less than one."""
     factor, called = (1.0, unit) if max(before, after) >= 1.0 else (1e3, f"m{unit}")
     return f"{factor * before:.3g} → {factor * after:.3g} {called}"
-
-
-def _show(value) -> str:  # type: ignore[no-untyped-def]
-    return f"{value.value:.3g} ({_range(value)}) {value.unit}"
-
-
-def _range(value) -> str:  # type: ignore[no-untyped-def]
-    return f"{value.ci95[0]:.3g} to {value.ci95[1]:.3g}"

@@ -7,6 +7,7 @@ or at a wrong velocity, bends Coulomb and viscous friction, and no small step le
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -56,7 +57,7 @@ def refine_stribeck(
         better = _find_better(rows, equations, fit, prior)
         if better is None:
             return _hold_loose(equations, fit, prior), equations
-        fit, equations = better
+        fit, equations = _move_curves(rows, better[1], better[0], prior)
 
 
 def _hold_loose(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmFit:
@@ -96,10 +97,16 @@ def _find_better(
     others = _list_others(equations, fit, prior)
     now = _weigh_still(equations, fit, prior) if others else 0.0
     for other in others[:_TRIED]:
-        there, moved = _move_curves(rows, equations, fit_arm(fit.arm, equations, other, prior, fit), prior)
+        there = fit_arm(fit.arm, equations, other, prior, fit)
+        there, moved = _move_curves(rows, equations, there, prior, _list_changed(fit.model, other))
         if _weigh_still(moved, there, prior) > now + _BETTER:
             return there, moved
     return None
+
+
+def _list_changed(model: ArmModel, other: ArmModel) -> list[int]:
+    """Joints that two models differ in."""
+    return [j for j, (form, before) in enumerate(zip(other.forms, model.forms, strict=True)) if form != before]
 
 
 def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[ArmModel]:
@@ -175,11 +182,15 @@ def is_curve(fit: ArmFit, joint: int) -> bool:
     return 0.0 < values[excess] <= values["coulomb"]
 
 
-def _move_curves(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> tuple[ArmFit, ArmEquations]:
-    """Move all curves to where they are most probable as they stand: their slopes alone fit what no curve does."""
+def _move_curves(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, joints: Sequence[int] | None = None
+) -> tuple[ArmFit, ArmEquations]:
+    """Move all curves, or those of some joints, to where they are most probable as they stand: their slopes alone fit
+    what no curve does."""
     model = _free_curves(fit.model)
     fit = fit if model == fit.model else fit_arm(fit.arm, equations, model, prior, fit)
-    step, most = _find_steps(equations, fit), None
+    chosen = range(len(model.forms)) if joints is None else joints
+    step, most = _find_steps(equations, fit, chosen), None
     for _ in range(_ROUNDS):
         if not np.any(np.abs(step) > _STILL):
             break
@@ -188,17 +199,18 @@ def _move_curves(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: Arm
         moved = equations.with_stribeck(rows, equations.stribeck * np.exp(step))
         there = fit_arm(fit.arm, moved, fit.model, prior, fit)
         if (weight := _weigh_still(moved, there, prior)) > most:
-            fit, equations, step, most = there, moved, _find_steps(moved, there), weight
+            fit, equations, step, most = there, moved, _find_steps(moved, there, chosen), weight
         else:
             step = 0.5 * step
     return fit, equations
 
 
-def _find_steps(equations: ArmEquations, fit: ArmFit) -> FloatArray:
-    """How far logarithms of velocities and exponents are from where they fit best. Shape as `equations.stribeck`."""
+def _find_steps(equations: ArmEquations, fit: ArmFit, joints: Sequence[int]) -> FloatArray:
+    """How far logarithms of velocities and exponents of some joints are from where they fit best; none of the others.
+    Shape as `equations.stribeck`."""
     steps = np.zeros_like(equations.stribeck)
-    for j, form in enumerate(fit.model.forms):
-        variant = dict(form.terms).get("stribeck")
+    for j in joints:
+        variant = dict(fit.model.forms[j].terms).get("stribeck")
         if variant is None:
             continue
         excess, _, *moves = (fit.friction(j)[name] for name in TERMS["stribeck"].names(variant))

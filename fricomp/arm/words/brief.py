@@ -322,10 +322,19 @@ def show_quantity(quantity: Quantity) -> str:
     """A value with its unit and interval, in as many digits as tell the ends of the interval apart."""
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     bound = f", {AT_BOUND}" if quantity.at_bound else ""
+    return f"{quantity.value:.{_count_digits(quantity)}g}{unit} ({show_interval(quantity)}{bound})"
+
+
+def show_interval(quantity: Quantity) -> str:
+    """The interval alone, in as many digits."""
+    digits = _count_digits(quantity)
+    return " to ".join(f"{end:.{digits}g}" for end in quantity.ci95)
+
+
+def _count_digits(quantity: Quantity) -> int:
     low, high = quantity.ci95
     size, width = max(abs(low), abs(high), abs(quantity.value)), high - low
-    digits = 3 if width <= 0.0 else min(max(3, math.ceil(math.log10(max(size / width, 1.0))) + 1), _MOST_DIGITS)
-    return f"{quantity.value:.{digits}g}{unit} ({low:.{digits}g} to {high:.{digits}g}{bound})"
+    return 3 if width <= 0.0 else min(max(3, math.ceil(math.log10(max(size / width, 1.0))) + 1), _MOST_DIGITS)
 
 
 def say_possible_spring(joint: JointRecord) -> str:

@@ -11,6 +11,7 @@ from fricomp.errors import DiagnosisError
 from fricomp.overview import Overview, OverviewTable, Shown
 
 from ..inputs.track import FloatArray
+from .joint_name import call_joint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,7 +98,7 @@ class DiagnosisOverview(Shown):
     def headline(self) -> str:
         """Joint, verdict and what was named."""
         names = ", ".join(effect.name for effect in self.record.effects)
-        return f"of joint {self.record.joint or '?'}: {self.record.verdict}{f' ({names})' if names else ''}"
+        return f"of {call_joint(self.record.joint or '?')}: {self.record.verdict}{f' ({names})' if names else ''}"
 
     def overview(self) -> Overview:
         """The sentences of the answer, and the numbers of what was named and of what has moved."""
@@ -112,7 +113,7 @@ class DiagnosisOverview(Shown):
             for change in record.changes
         ]
         return Overview(
-            f"Diagnosis of joint {record.joint or '?'}: {record.verdict}",
+            f"Diagnosis of {call_joint(record.joint or '?')}: {record.verdict}",
             record.sentences,
             (
                 OverviewTable(("effect", "parameter", "value", "95 % interval", "unit"), tuple(named)),

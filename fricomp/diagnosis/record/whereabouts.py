@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from .joint_name import call_joint
 from .result import DiagnosisRecord, Interval, Location, NamedEffect
 
 __all__ = ["describe_whereabouts", "list_whereabouts"]
@@ -51,7 +52,7 @@ def list_whereabouts(record: DiagnosisRecord) -> tuple[str, ...]:
         (one.name, [*_describe_rhythm(one), *_list_facts(record, one.location)]) for one in record.effects if several
     ]
     parts = [f"{name} {found[0]}" for name, found in each if found]
-    joint = f" in joint {record.joint}" if record.joint not in _UNNAMED else ""
+    joint = f" in {call_joint(record.joint)}" if record.joint not in _UNNAMED else ""
     lines = [f"Most of the mismatch sits{joint} {'; '.join(facts[: WORDING.most_facts])}."] if facts else []
     lines += [f"By effect: {'; '.join(parts)}."] if parts else []
     if not lines and (record.location or record.verdict == "unknown_physics"):

@@ -13,6 +13,7 @@ from fricomp.recording.parts.data_chart import build_data_table, draw_data_chart
 from fricomp.report import Chart, Outcome, ReportPage, Section, Table
 from fricomp.root_mean_square import compute_rms
 
+from ..record.joint_name import call_joint
 from ..record.result import Diagnosis, Evidence, NamedEffect
 from .maps import draw_map_chart, draw_plane_chart
 from .over_time import draw_error_chart, draw_motion_chart, draw_time_chart, name_models
@@ -143,7 +144,7 @@ _OUTCOMES: Final[dict[str, Outcome]] = {
 
 def _name_joint(name: str) -> str:
     """The joint's name, unless it has none but the default."""
-    return "Diagnosis" if name in ("", "joint") else f"Joint {name}"
+    return "Diagnosis" if name in ("", "joint") else call_joint(name, "Joint")
 
 
 def _build_section(title: str, *blocks: str | Chart | Table | None, folded: bool = False) -> Section | None:

@@ -17,6 +17,7 @@ class ReportSettings:
         fewest_of_plane: The same of a cell of a plane, of which there are many.
         bins: Bins of a plane over its first quantity and over velocity.
         rarest: Part of the values at each end that the bins of a plane leave out.
+        least_gain: Evidence below which an explanation is not drawn: e to half of it is next to even odds.
         wide: Ratio of the largest to the smallest evidence from which it is drawn on a logarithmic scale.
         undetermined: End of the interval of a positive value, over that value, from which the value is not determined.
         intervals: Intervals of a quantity that are told in a table.
@@ -30,6 +31,7 @@ class ReportSettings:
     fewest_of_plane: int = 3
     bins: tuple[int, int] = (18, 16)
     rarest: float = 0.002
+    least_gain: float = 1.0
     wide: float = 50.0
     undetermined: float = 10.0
     intervals: int = 4

@@ -25,7 +25,7 @@ def draw_rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = (
         rivals: What was weighed.
         effects: What was named.
     """
-    shown = [rival for rival in rivals if rival.gain > 0.0][: REPORT.rivals]
+    shown = [rival for rival in rivals if rival.gain > REPORT.least_gain][: REPORT.rivals]
     if not shown:
         return None
     names = tuple(" + ".join(rival.effects) for rival in shown)

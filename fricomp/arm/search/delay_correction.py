@@ -1,0 +1,69 @@
+"""Torques brought to the time of the positions: by how much all of them are late, found and taken off."""
+
+from __future__ import annotations
+
+from ..arm_recording import ArmRecording
+from ..coordinates import ArmModel
+from ..equations import ArmEquations
+from ..prior import ArmPrior
+from ..rigid.simulated_arm import SimulatedArm
+from ..robust_fit import fit_robustly
+from ..rows import ArmRows
+from .early_torque import EarlyTorques
+from .shared_delay import SharedDelay, measure_delay, measure_seen
+
+_ROUNDS = 6
+"""Of the search for a delay."""
+
+_HOLD, _SURELY = 0.5, 2.0
+"""Of a sample's period, by which torques may be ahead of the positions without more: a command acts from its row to the
+next, in the mean half a period after it, and no row is known to be of one instant. Standard deviations by which a delay
+must be beyond that to be further: that of a command is half a period, and comes out on either side of it."""
+
+
+def take_off_delay(
+    recording: ArmRecording,
+    rows: ArmRows,
+    equations: ArmEquations,
+    model: ArmModel,
+    prior: ArmPrior,
+    start: float,
+    arm: SimulatedArm,
+) -> tuple[ArmRows, ArmEquations, SharedDelay, bool]:
+    """Rows in which the torques are as early as the positions, and the delay that was taken off.
+
+    Torques are not taken to be further ahead of the positions than a held command is where friction turns before its
+    joints do, which looks like it; nor ahead at all where a gear gives way, which does so too.
+    Whether a delay is sure is seen where it stands still: on the way there, each joint shows another part of its own.
+
+    Returns:
+        The last tells whether they look so, and are taken to be prompt.
+    """
+    total, found, moved, before, held = start, SharedDelay(start, 0.0, {}), 0.0, 0.0, -_HOLD * recording.period
+    for _ in range(_ROUNDS):  # settled: a joint that sticks turns later than it would
+        fit, equations = fit_robustly(arm, rows, equations, model, prior, settled=True)
+        more = measure_delay(equations, fit, prior)
+        ahead = total + more.value < 0.0
+        beyond, early = total + more.value + _SURELY * more.deviation < held, EarlyTorques(rows, equations, fit)
+        if beyond and not early.are_all(total + fit.delay[0]):
+            at = held if early.are_held(total + fit.delay[0]) else 0.0
+            return *move_torques(recording, rows, equations, at), more.move(total, at - total), True
+        still = abs(more.value) < 0.5 * more.deviation
+        moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
+        before = more.value
+        found = more.move(total, moved)
+        if still:
+            break
+        total = found.value
+        rows, equations = move_torques(recording, rows, equations, total)
+    if found.is_sure or not total:
+        return rows, equations, found, ahead and not total
+    return *move_torques(recording, rows, equations, 0.0), found._replace(value=0.0), ahead
+
+
+def move_torques(
+    recording: ArmRecording, rows: ArmRows, equations: ArmEquations, delay: float
+) -> tuple[ArmRows, ArmEquations]:
+    """Rows and equations of torques that are taken to be late by this [s]."""
+    moved = rows.with_delay(recording, delay)
+    return moved, equations.with_torque(moved)
