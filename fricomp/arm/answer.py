@@ -22,6 +22,7 @@ from .physics import is_whole
 from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
+from .search.gear import YIELDING_GEAR
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -64,12 +65,14 @@ class ArmAnswer:
         errors: On data that took no part.
         own_delays: By how much later than all the torque of each joint is, and the standard deviation [s]; none where
             the model has no such term.
+        refuted: What was left out when no gear that gives way was in the model, by the names of `propose_models`.
     """
 
     identification: ArmIdentification
     evidence: dict[tuple[int, str], TermEvidence]
     errors: HeldOutErrors
     own_delays: tuple[tuple[float, float], ...]
+    refuted: frozenset[str] = frozenset()
 
     def is_named(self, joint: int, term: str) -> bool:
         """Whether a term of a joint is physics that matters: an effect that lacks nothing."""
@@ -172,7 +175,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
-    pruning = Pruning(prior)
+    pruning, refuted = Pruning(prior), set[str]()
     while True:
         widened = widen_covariance(fit, equations, rows)
         less = pruning.find_less(rows, equations, fit, widened)
@@ -194,9 +197,21 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, heads[key])}
         if not weak:
             final = replace(found, fit=widened, equations=equations)
-            return ArmAnswer(final, evidence, errors, tuple(find_own_delay(final, j) for j in range(len(arm.joints))))
-        weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
-        fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior, settled=True)
+            delays = tuple(find_own_delay(final, j) for j in range(len(arm.joints)))
+            return ArmAnswer(final, evidence, errors, delays, frozenset(refuted))
+        rigid = not any(YIELDING_GEAR in form.names for form in fit.model.forms)
+        less = fit.model
+        for joint, term in _choose_weakest(weak):
+            less = without_term(less, joint, term)
+            refuted |= {f"{arm.joints[joint]}: {term}"} if rigid else set()
+        fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
+
+
+def _choose_weakest(weak: dict[tuple[int, str], TermEvidence]) -> list[tuple[int, str]]:
+    """What leaves the model at once: the weakest term of each joint, and a gear, with which all links bend, alone."""
+    order = sorted(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
+    gears = [key for key in order if TERMS[key[1]].whole]
+    return gears[:1] or list({joint: (joint, term) for joint, term in reversed(order)}.values())
 
 
 def _stays(name: str, evidence: TermEvidence, head: TermEvidence) -> bool:

@@ -12,10 +12,12 @@ from fricomp.diagnosis.record.result import Quantity
 
 from .answer import ArmAnswer, TermEvidence
 from .comparison.links import describe_link, measure_link_change
+from .comparison.lone_link import find_lone_link
 from .comparison.stated import list_stated, say_stated
 from .elasticity import measure_stiffness
 from .fit import Z95, ArmFit
-from .friction import GEARS, TERMS
+from .friction import CREEP, GEARS, TERMS
+from .friction_model import find_creep_velocity
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
@@ -25,7 +27,7 @@ from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, l
 from .uncertainty.averaging import average_friction, average_links
 from .words.brief import (
     list_doubts,
-    say_link,
+    say_creep,
     say_links,
     say_nothing_missing,
     say_offsets,
@@ -35,10 +37,11 @@ from .words.brief import (
     say_unexplained,
     say_unnamed,
     say_what,
-    show_quantity,
     write_summary,
 )
 from .words.corrections import say_corrections
+from .words.links import say_link, say_lone_link
+from .words.quantity import show_quantity
 
 _UNEVEN = (
     "The stamps are not the instants at which rows were sampled: how far the joints came, over their velocities, says "
@@ -78,6 +81,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         frames_instead=found.recording.frames_instead,
         torque_scales=find_torque_scales(arm, found.recording, found.fit.inertia),
         guided=found.recording.guided_from_start,
+        lone_link=find_lone_link(found),
     )
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
@@ -145,6 +149,7 @@ def _describe_joint(
         error_model=float(answer.errors.model[joint]),
         unexplained=answer.measure_unexplained(joint),
         stiffness=measure_stiffness(found, joint),
+        creep_velocity=find_creep_velocity(found, joint) if CREEP in form.names else None,
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
         link_change=measure_link_change(found, joint),
         stated=list_stated(fit.arm, joint),
@@ -233,7 +238,9 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         *say_shared_causes(record.joints),
         *say_offsets(record.joints),
         *say_unnamed(record.joints),
+        *say_creep(record.joints),
         *(_say_joint(joint) for joint in record.joints),
+        *say_lone_link(record.lone_link),
         *(say_link(link) for link in record.links if link.state == "off"),
         *say_stated(record.joints),
         *_say_undetermined(record),

@@ -9,7 +9,7 @@ A fit is then a matter of small matrices, so that a hundred models cost what one
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -19,21 +19,17 @@ from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
+from .columns import creep_columns, friction_columns, load_columns, plain_columns, ripple_columns, stribeck_columns
 from .friction import (
+    CREEP_SPEEDS,
     GEARS,
     LEAST_STRIBECK,
     MOST_STRIBECK,
     STRIBECK_EXPONENTS,
-    TERMS,
     Filled,
     column_names,
     find_columns,
-    friction_columns,
     list_stribeck_starts,
-    load_columns,
-    plain_columns,
-    ripple_columns,
-    stribeck_columns,
 )
 from .rigid.simulated_arm import SimulatedArm
 from .row_weights import BoolArray, Weights, weigh_rows
@@ -60,6 +56,8 @@ class ArmEquations:
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
         stribeck: Stribeck velocities [rad/s] or [m/s] and exponents in the columns of each joint. Shape (n_joints,
             n_variants, 2).
+        creep: Speeds below which friction creeps in the columns of each joint [rad/s] or [m/s]. Shape (n_joints,
+            n_variants).
         gears: Width of the gap [rad], stiffness [N·m/rad] and damping [N·m·s/rad] of the gear in the columns of each
             joint's gap, and of its spring; zeros for none. Shapes (n_joints, 3).
     """
@@ -69,6 +67,7 @@ class ArmEquations:
     top_speed: FloatArray
     ripple: FloatArray
     stribeck: FloatArray
+    creep: FloatArray
     gears: Mapping[Filled, FloatArray]
 
     @cached_property
@@ -147,14 +146,35 @@ class ArmEquations:
         top = self.top_speed[:, None]
         speeds = np.clip(curves[:, :, 0], LEAST_STRIBECK * top, MOST_STRIBECK * top)
         curves = np.stack([speeds, np.clip(curves[:, :, 1], *STRIBECK_EXPONENTS)], axis=2)
-        first, size = self._friction + find_columns("stribeck").start, len(TERMS["stribeck"].columns)
+
+        def made(joint: int, variant: int) -> FloatArray:
+            return stribeck_columns(rows, joint, *curves[joint, variant].tolist())
+
+        return self._change_variants("stribeck", np.any(curves != self.stribeck, axis=2), made, stribeck=curves)
+
+    def with_creep(self, rows: ArmRows, speeds: FloatArray) -> ArmEquations:
+        """The same with friction that creeps below these speeds, as far as a joint can show them. Shape as `creep`."""
+        top = self.top_speed[:, None]
+        speeds = np.clip(speeds, LEAST_STRIBECK * top, MOST_STRIBECK * top)
+
+        def made(joint: int, variant: int) -> FloatArray:
+            return creep_columns(rows, joint, float(speeds[joint, variant]))
+
+        return self._change_variants("creep", speeds != self.creep, made, creep=speeds)
+
+    def _change_variants(
+        self, filled: Filled, moved: BoolArray, made: Callable[[int, int], FloatArray], **fields: Any
+    ) -> ArmEquations:
+        """The same with other columns of those variants of a term that moved. Shape (n_joints, n_variants)."""
+        place = find_columns(filled)
+        first, size = self._friction + place.start, (place.stop - place.start) // moved.shape[1]
         places, values = [], []
-        for j, moved in enumerate(np.any(curves != self.stribeck, axis=2)):
-            changed = np.flatnonzero(moved)
+        for j, each in enumerate(moved):
+            changed = np.flatnonzero(each)
             places.append((first + size * changed[:, None] + np.arange(size)).ravel())
-            parts = [stribeck_columns(rows, j, *curves[j, k].tolist()) for k in changed]
-            values.append(np.concatenate(parts, axis=1) if parts else np.zeros((len(rows), 0)))
-        return self._change(places, values, stribeck=curves)
+            parts = [made(j, int(k)) for k in changed]
+            values.append(np.concatenate(parts, axis=1) if parts else np.zeros((len(self.columns[j]), 0)))
+        return self._change(places, values, **fields)
 
     def _fill(self, filled: Filled, values: Sequence[FloatArray], **fields: Any) -> ArmEquations:
         place = find_columns(filled)
@@ -274,10 +294,17 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     moving = (speed > np.maximum(_SLOW * top, np.minimum(rows.least_speed, _MOST_SLOW * top))).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     starts = list_stribeck_starts()
-    weights, curves = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape))
-    bare = ArmEquations(tuple(columns), weights, top, np.zeros(n), curves, {one: np.zeros((n, 3)) for one in GEARS})
+    weights, curves, creep = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape)), np.array(CREEP_SPEEDS)
+    none = np.zeros((n, creep.size))
+    bare = ArmEquations(
+        tuple(columns), weights, top, np.zeros(n), curves, none, {one: np.zeros((n, 3)) for one in GEARS}
+    )
     bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
-    return bare if plain else bare.with_stribeck(rows, np.array([starts * (one, 1.0) for one in top]))
+    if plain:
+        return bare
+    return bare.with_stribeck(rows, np.array([starts * (one, 1.0) for one in top])).with_creep(
+        rows, np.outer(top, creep)
+    )
 
 
 def _sum_rows(columns: Sequence[FloatArray], weights: FloatArray) -> FloatArray:

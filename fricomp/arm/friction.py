@@ -4,6 +4,8 @@
     (E s + D_e) exp(-|v/v_s|ⁿ)                       Stribeck effect, n from 2 or 1
     W_s n |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s                  along v_s, which moves until W_s = E δv_s/v_s is next to none
     -N_s n ln|v/v_s| |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s       along n, which moves likewise
+    C (clip(u / v_c) - s),  u = v + T a              friction that creeps, as a simulator's does
+    -W_c (u / v_c) [|u| < v_c]                       along v_c, which moves until W_c = C δv_c/v_c is next to none
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
@@ -27,31 +29,31 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .rows import ArmRows
-
 __all__ = [
+    "CREEP",
+    "CREEP_SPEEDS",
     "GEARS",
     "LEAST_STRIBECK",
     "LOWEST_RIPPLE",
     "MOST_STRIBECK",
+    "ORDERS",
     "PLAIN",
     "STRIBECK_EXPONENTS",
     "TERMS",
+    "VISCOUS_EXPONENTS",
     "JointForm",
     "JointTerm",
     "column_names",
     "find_columns",
-    "friction_columns",
     "list_stribeck_starts",
-    "load_columns",
-    "plain_columns",
-    "ripple_columns",
-    "stribeck_columns",
-    "turn_bristle",
 ]
 
 PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 """Parameters that every joint has."""
+
+CREEP = "creep"
+"""Name of the term of friction that never holds: dry friction of simulators, solved softly. It is no physics of a
+joint, so that it has no name among the effects."""
 
 _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
 """Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
@@ -71,25 +73,27 @@ _BREAKAWAY = tuple(0.5e-3 * 2.0 ** (0.5 * k) for k in range(12))
 """Breakaway distances to choose from [rad], up to 23 mrad. With steps of two, a bristle between them came as part of
 the Coulomb torque at the next one, and the rest of it as what else bends about a reversal."""
 
+CREEP_SPEEDS = (0.03, 0.06, 0.12, 0.24)
+"""Speeds below which friction is viscous and holds nothing to start from, as parts of a joint's top speed; the one that
+is taken moves to where it fits best. Below, such rows are not compared; above, it is viscous friction."""
+
 _ARM = 0.1
 """[m/rad] by which distances of an axis that slides are those of a joint that turns: the radius of a pulley. Axes come
 back as fast as joints at that distance from their middle do, so that as short a way shows."""
 
-_EXPONENTS = (0.35, 0.5, 0.6, 0.7, 0.8, 0.9)
+VISCOUS_EXPONENTS = (0.35, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Of viscous friction to choose from; the catalogue has 0.5 to 0.9, and what fits best below is none of it."""
 
-_ORDERS = (1.0, 2.0)
+ORDERS = (1.0, 2.0)
 """Waves of friction a turn: of a shaft that is off its axis, and of one that is oval."""
-
-_LEAST_RATIO = 1e-9
-"""Of a speed to the Stribeck velocity: a joint at rest has the whole excess."""
 
 LOWEST_RIPPLE = 4.0
 """Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
 
-Filled = Literal["motion", "stribeck", "delay", "ripple", "gap", "spring", "load"]
-"""What the columns of a term are made of: the motion, a Stribeck velocity that is found, the torque's own rate, a wave
-of an order that is found, a gap whose width is found, a gear whose stiffness is found, or the transmitted torque."""
+Filled = Literal["motion", "stribeck", "creep", "delay", "ripple", "gap", "spring", "load"]
+"""What the columns of a term are made of: the motion, a Stribeck or a creep velocity that is found, the torque's own
+rate, a wave of an order that is found, a gap whose width is found, a gear whose stiffness is found, or the transmitted
+torque."""
 
 GEARS: tuple[Filled, ...] = ("gap", "spring")
 """Of these, what lets a link move otherwise than its motor, so that the other joints feel it."""
@@ -162,12 +166,13 @@ TERMS = {
             filled="stribeck",
         ),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", on_slides=_ARM),
-        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order", on_slides=None, counted=True),
+        JointTerm(CREEP, ("level", "width"), CREEP_SPEEDS, filled="creep"),
+        JointTerm("position_coulomb", ("cosine", "sine"), ORDERS, label="order", on_slides=None, counted=True),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
         JointTerm(
             "power_law_viscous",
             ("torque_at_top_speed",),
-            _EXPONENTS,
+            VISCOUS_EXPONENTS,
             label="exponent",
             family="speed",
             replaces=("viscous",),
@@ -230,7 +235,7 @@ class JointForm:
         return next(other for other in self.names if other == name or (family and TERMS[other].family == family))
 
 
-_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "delay", "ripple", "gap", "spring", "load")
+_FILLED: tuple[Filled, ...] = ("motion", "stribeck", "creep", "delay", "ripple", "gap", "spring", "load")
 
 
 @cache
@@ -252,97 +257,6 @@ def _list_columns(filled: Filled) -> tuple[str, ...]:
     return tuple(name for term in terms for k in range(len(term.values)) for name in term.names(k))
 
 
-def plain_columns(rows: ArmRows, joint: int) -> FloatArray:
-    """Columns of one joint that `PLAIN` lists. Shape (n, 4)."""
-
-    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
-        v = velocity[:, joint]
-        return np.stack([np.sign(v), np.ones_like(v), v, np.abs(v)], axis=1)
-
-    return rows.compare(build)
-
-
-def friction_columns(rows: ArmRows, joint: int, top_speed: float, *, rotary: bool = True) -> FloatArray:
-    """Columns of one joint that are made of its motion and temperature.
-
-    Args:
-        rows: The equations.
-        joint: Number of the joint.
-        top_speed: Of the joint [rad/s] or [m/s].
-        rotary: Whether it turns.
-
-    Returns:
-        Shape (n, n_columns).
-    """
-    middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in rows.motion])))
-    distances = TERMS["presliding_hysteresis"].list_values(rotary=rotary)
-
-    def build(position: FloatArray, velocity: FloatArray, _: FloatArray) -> FloatArray:
-        q, v = position[:, joint], velocity[:, joint]
-        s = np.sign(v)
-        columns = [turn_bristle(q, distance) - s for distance in distances]
-        columns += [wave(n * q) * s for n in _ORDERS for wave in (np.cos, np.sin)]
-        columns += [v * np.abs(v)]
-        columns += [s * (np.abs(v) / top_speed) ** n for n in _EXPONENTS]
-        columns += [q - middle]
-        return np.stack(columns, axis=1)
-
-    warmth = [each[:, joint] for each in rows.warmth]
-    warm = [
-        np.stack([np.sign(v[:, joint]) * w, v[:, joint] * w], axis=1)
-        for (_, v, _), w in zip(rows.motion, warmth, strict=True)
-    ]
-    return np.column_stack([plain_columns(rows, joint), rows.compare(build), rows.compare_samples(warm)])
-
-
 def list_stribeck_starts() -> FloatArray:
     """Stribeck velocity, as part of the top speed, and exponent of each variant's start. Shape (n_variants, 2)."""
     return np.array([(speed, exponent) for exponent in _STRIBECK_STARTS for speed in _STRIBECK])
-
-
-def stribeck_columns(rows: ArmRows, joint: int, speed: float, exponent: float) -> FloatArray:
-    """The Stribeck curve of one joint at a Stribeck velocity [rad/s] or [m/s]. Shape (n, 4)."""
-
-    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
-        v = velocity[:, joint]
-        s, ratio = np.sign(v), np.maximum(np.abs(v / speed), _LEAST_RATIO)
-        power = ratio**exponent
-        fall = np.exp(-power)
-        moved = s * exponent * power * fall
-        return np.stack([s * fall, fall, moved, -np.log(ratio) * moved], axis=1)
-
-    return rows.compare(build)
-
-
-def load_columns(load: FloatArray, sign: FloatArray) -> FloatArray:
-    """Columns that follow the transmitted torque [N·m] or [N], in the order of `column_names`. Shape (n, 3)."""
-    return np.column_stack([np.abs(load) * sign, load**2 * sign, load])
-
-
-def ripple_columns(rows: ArmRows, joint: int, order: float) -> FloatArray:
-    """A wave over the position of a joint. Shape (n, 2)."""
-
-    def build(position: FloatArray, _: FloatArray, __: FloatArray) -> FloatArray:
-        angle = order * position[:, joint]
-        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-    return rows.compare(build)
-
-
-def turn_bristle(position: FloatArray, distance: float) -> FloatArray:
-    """Part of its level that a bristle holds along a path, from -1 to 1, by Dahl's law [dahl1968]. Shape (n,).
-
-    Between two turns the path runs one way, and z - s falls by exp(-travel / distance).
-    """
-    steps = np.diff(position)
-    moving = np.flatnonzero(steps)
-    result = np.zeros_like(position)
-    if not moving.size:
-        return result
-    ways = np.sign(steps[moving])
-    turns = [0, *(np.flatnonzero(np.diff(ways)) + 1).tolist()]
-    starts = [int(moving[k]) for k in turns]
-    for k, first, last in zip(turns, starts, [*starts[1:], len(steps)], strict=True):
-        travel = np.abs(position[first + 1 : last + 1] - position[first])
-        result[first + 1 : last + 1] = ways[k] + (result[first] - ways[k]) * np.exp(-travel / distance)
-    return result

@@ -14,6 +14,7 @@ from fricomp.laws import (
     PositionCoulomb,
     PowerLawViscous,
     QuadraticDrag,
+    SmoothedCoulomb,
     SpringTorque,
     StribeckCurve,
     Term,
@@ -22,7 +23,7 @@ from fricomp.laws import (
 from fricomp.model import FrictionModel, Provenance, Validity
 
 from .arm_recording import find_start_temperature
-from .friction import STRIBECK_EXPONENTS, TERMS
+from .friction import CREEP, STRIBECK_EXPONENTS, TERMS
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
 
@@ -35,6 +36,10 @@ _SHIFTS = (-0.4, 0.6)
 _LEAST_VISCOUS = 1e-6
 """[N·m·s/rad] of a joint that has none: its change with the temperature needs a positive one."""
 
+
+_SMOOTHING = 0.75
+"""Smoothing velocity of a hyperbolic tangent over the speed at which friction that creeps reaches its level, at which
+the two differ least in the mean square up to twice that speed."""
 
 _MOST_PART = 0.95
 """Of the Coulomb level, from which all of it is taken to bend: what is left could not be told from none."""
@@ -68,7 +73,12 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
 def _build_core(
     found: ArmIdentification, joint: int, values: dict[str, float], form: dict[str, int]
 ) -> tuple[Term, ...]:
-    """The curves of both directions, and the part of their level that a bristle builds up after a reversal."""
+    """The curves of both directions, and the parts of their level that creep, or that a bristle builds up."""
+    if CREEP in form:
+        level = values[TERMS[CREEP].names(form[CREEP])[0]]
+        rest = {name: one for name, one in form.items() if name != CREEP}
+        soft = SmoothedCoulomb(max(level, 0.0), _SMOOTHING * find_creep_velocity(found, joint))
+        return (*_build_core(found, joint, values | {"coulomb": values["coulomb"] - level}, rest), soft)
     if "presliding_hysteresis" not in form:
         return (BidirectionalStribeck(*_build_curves(found, joint, values, form)),)
     level = values[TERMS["presliding_hysteresis"].names(form["presliding_hysteresis"])[0]]
@@ -79,6 +89,14 @@ def _build_core(
     rest = _build_curves(found, joint, values | {"coulomb": values["coulomb"] - level}, form)
     bent = StribeckCurve(level, level, 1.0, 0.0)
     return (BidirectionalStribeck(*rest), LuGre(bent, bent, level / distance, 0.0))
+
+
+def find_creep_velocity(found: ArmIdentification, joint: int) -> float:
+    """Speed below which the friction of a joint that creeps is viscous [rad/s] or [m/s]."""
+    values, form = found.fit.friction(joint), dict(found.fit.model.forms[joint].terms)
+    level, width = (values[name] for name in TERMS[CREEP].names(form[CREEP]))
+    shift = float(np.clip(width / level, *_SHIFTS)) if level > 0.0 else 0.0
+    return float(found.equations.creep[joint, form[CREEP]]) * (1.0 + shift)
 
 
 def _build_curves(

@@ -22,6 +22,7 @@ _LEAST_LEVEL = 1e-3
 """Of the Coulomb level, that a level of one direction has at least: a law has positive levels only."""
 
 _POSITIVE = (
+    "creep.level",
     "load_coulomb.coefficient",
     "load_quadratic.coefficient",
     "power_law_viscous.torque_at_top_speed",
@@ -57,7 +58,7 @@ def _list_limits(names: tuple[str, ...], values: FloatArray) -> tuple[FloatArray
     level = _LEAST_LEVEL * max(float(values[short["coulomb"]]), 1e-6)
     rows: list[tuple[dict[str, float], float]] = []
     for sign in (1.0, -1.0):
-        slide = {"coulomb": 1.0, "offset": sign, "presliding_hysteresis.level": -1.0}
+        slide = {"coulomb": 1.0, "offset": sign, "presliding_hysteresis.level": -1.0, "creep.level": -1.0}
         rows.append((slide, level))
         rows.append(({"viscous": 1.0, "viscous_difference": sign}, 0.0))
         if "stribeck.excess" in short:

@@ -107,6 +107,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
             friction of the joint.
         files: Errors of the written files; None where the recording is too short for them.
         stiffness: Of its gear, where the motor's position was recorded and the gear gives way.
+        creep_velocity: Speed below which its friction is viscous and holds nothing, as that of a simulator; None where
+            it sticks [rad/s] or [m/s].
         possible_spring: Stiffness of a spring that is not named and explains the recording as well as links that weigh
             what is said of them; None where the recording speaks against one.
         link_change: What the links as found change of the joint's torque beside those of the simulation, as part of
@@ -127,6 +129,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     unexplained: float = 0.0
     files: FileErrors | None = None
     stiffness: Quantity | None = None
+    creep_velocity: float | None = None
     possible_spring: Quantity | None = None
     link_change: float = 0.0
     stated: dict[str, float] = {}
@@ -154,6 +157,20 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
     state: LinkState
     determined: tuple[str, ...] = ()
     simulated_first_moment: dict[str, float] = {}
+
+
+class LoneLink(msgspec.Struct, frozen=True, kw_only=True):
+    """A link that alone is heavier or lighter than simulated, by one factor on all of its mass.
+
+    Attributes:
+        name: Of the link.
+        factor: Its mass over the simulated one.
+        alike: Other links that would do as well, each by a factor of its own.
+    """
+
+    name: str
+    factor: Quantity
+    alike: tuple[str, ...] = ()
 
 
 class JointFrame(msgspec.Struct, frozen=True, kw_only=True):
@@ -198,6 +215,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
             unit, such as that of its motor.
         one_way: Joints that hardly went back, whose friction is not told from a constant torque.
+        lone_link: The link that alone is off, by one factor; None where no such does better than all links as found.
         guided: From when to when something else than the drives moved or held the arm [s, from the start]: these
             stretches were left out.
     """
@@ -224,6 +242,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     frames_instead: tuple[JointFrame, ...] = ()
     torque_scales: dict[str, float] = {}
     guided: tuple[tuple[float, float], ...] = ()
+    lone_link: LoneLink | None = None
 
 
 def arm_json_schema() -> dict[str, Any]:

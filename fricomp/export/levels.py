@@ -1,7 +1,7 @@
 """Friction as the two or three numbers of most simulators: a level, a slope, and the level at rest."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,18 @@ from fricomp.control.compensation.curve import split_law
 from fricomp.control.compensation.trust import bound_friction, require_usable
 from fricomp.errors import ExportError
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
-from fricomp.laws import FrictionLaw, Term, trace_parts
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Coulomb,
+    Dahl,
+    FrictionLaw,
+    LuGre,
+    SmoothedCoulomb,
+    Stribeck,
+    StribeckCurve,
+    Term,
+    trace_parts,
+)
 from fricomp.model import FrictionModel
 
 
@@ -100,3 +111,43 @@ def drop_terms(model: FrictionModel, terms: Sequence[Term]) -> FrictionModel:
     if not kept:
         raise ExportError(f"the law of joint {model.joint!r} has no friction, only terms over position")
     return model.with_law(FrictionLaw(kept))
+
+
+def join_levels(model: FrictionModel) -> tuple[FrictionModel, tuple[str, ...]]:
+    """The model with every further level of dry friction in its first curve, and the names of the terms that had them.
+
+    Where only a part of the friction builds up after a reversal, that part is a term of its own beside the curve. What
+    holds one curve would leave it out, and slide too easily.
+    """
+    terms = model.law.terms
+    first = next((one for one in terms if isinstance(one, BidirectionalStribeck | Stribeck)), None)
+    if first is None:
+        return model, ()
+    levels = [
+        (one, _find_flat_level(one)) for one in terms if one is not first and getattr(one, "load", None) == first.load
+    ]
+    flat = {one: level for one, level in levels if level is not None}
+    if not flat:
+        return model, ()
+    ahead, back = (first.curve, first.curve) if isinstance(first, Stribeck) else (first.forward, first.reverse)
+    for more, less in flat.values():
+        ahead, back = _raise_curve(ahead, more), _raise_curve(back, less)
+    whole = BidirectionalStribeck(ahead, back, first.load)
+    kept = tuple(whole if one is first else one for one in terms if one not in flat)
+    return model.with_law(FrictionLaw(kept)), tuple(one.name for one in flat)
+
+
+def _find_flat_level(term: Term) -> tuple[float, float] | None:
+    """Level of a term in each direction that slides with it whatever the speed [N·m] or [N]; None for others."""
+    if isinstance(term, Coulomb | SmoothedCoulomb | Dahl):
+        return term.coulomb_torque, term.coulomb_torque
+    if not isinstance(term, LuGre):
+        return None
+    curves = term.forward, term.reverse
+    if any(one.static_torque != one.coulomb_torque or one.viscous_coefficient for one in curves):
+        return None
+    return term.forward.coulomb_torque, term.reverse.coulomb_torque
+
+
+def _raise_curve(curve: StribeckCurve, level: float) -> StribeckCurve:
+    return replace(curve, coulomb_torque=curve.coulomb_torque + level, static_torque=curve.static_torque + level)

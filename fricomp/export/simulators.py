@@ -14,7 +14,7 @@ from fricomp.control.compensation.trust import bound_friction, require_usable, t
 from fricomp.errors import ExportError
 from fricomp.export.default_class import joint_type
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
-from fricomp.export.levels import drop_terms, find_held_terms, fit_friction_levels, require_torque
+from fricomp.export.levels import drop_terms, find_held_terms, fit_friction_levels, join_levels, require_torque
 from fricomp.laws import Cogging, FloatArray, SpringTorque
 from fricomp.model import FrictionModel
 
@@ -66,10 +66,12 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     springs = [term for term in held if isinstance(term, SpringTorque)]
     ripples = [term for term in held if isinstance(term, Cogging)]
     said = (*springs, *(ripples if way == "dcmotor" else ()))
-    sliding = drop_terms(model, held)
+    sliding, joined = join_levels(drop_terms(model, held))
     curves, lost = trusted_curves(sliding), []
+    if joined:
+        lost.append(f"how friction builds up after a reversal by {', '.join(joined)}")
     silent = (*curves.extra, *(term for term in held if term not in said))
-    left_out = [term.name for term in model.law.terms if term in silent]
+    left_out = [term.name for term in (*sliding.law.terms, *held) if term in silent]
     if left_out:
         lost.append(f"left out: {', '.join(left_out)}")
     if curves.load.load_sensitivity:

@@ -11,10 +11,10 @@ from fricomp.arm.words.brief import (
     say_offsets,
     say_unexplained,
     say_unnamed,
-    show_quantity,
     write_summary,
     write_title,
 )
+from fricomp.arm.words.quantity import show_quantity
 from fricomp.diagnosis.record.result import Quantity
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, ArmRecord, build_friction_model, examine_arm
-from fricomp.arm.friction import turn_bristle
+from fricomp.arm.columns import turn_bristle
 from fricomp.errors import FricompError, RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording

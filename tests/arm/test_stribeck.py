@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, build_friction_model, examine_arm
+from fricomp.arm.columns import stribeck_columns
 from fricomp.arm.confirmation import without_term
 from fricomp.arm.coordinates import ArmModel, Coordinates
 from fricomp.arm.fit import fit_arm
-from fricomp.arm.friction import JointForm, stribeck_columns
+from fricomp.arm.friction import JointForm
 from fricomp.arm.glance import Glance
 from fricomp.arm.physics import find_reversed_term
 from fricomp.arm.row_weights import count_from_reversal

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from fricomp.arm import build_friction_model, examine_arm
+from fricomp.arm.columns import turn_bristle
 from fricomp.arm.confirmation import ConfirmedData, without_term
-from fricomp.arm.friction import TERMS, JointForm, column_names, find_columns, turn_bristle
+from fricomp.arm.friction import TERMS, JointForm, column_names, find_columns
 from fricomp.laws import FloatArray
 
 from .moving_arm import record_arm, write_arm

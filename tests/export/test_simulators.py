@@ -15,11 +15,15 @@ from fricomp.export.fidelity import sample_friction
 from fricomp.laws import (
     BidirectionalStribeck,
     Cogging,
+    Coulomb,
     DwellStiction,
     KinematicError,
     LaggedStribeck,
+    LuGre,
+    SmoothedCoulomb,
     SpringTorque,
     Stribeck,
+    StribeckCurve,
     Term,
     ThermalFriction,
     Viscous,
@@ -241,6 +245,31 @@ def test_cogging_and_spring_are_said_natively(position: float, angle: str) -> No
     expected = 0.03 * np.sin(6.0 * position) - 0.05 * np.cos(6.0 * position) + 0.4 * (position - 0.2)
     expected += 0.2 * (position - 0.2) ** 3
     assert -float(data.qfrc_actuator[0] + data.qfrc_passive[0]) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("way", ["dcmotor", "damping", "frictionloss"])
+@pytest.mark.parametrize(
+    "term",
+    [
+        LuGre(StribeckCurve(0.3, 0.3, 1.0, 0.0), StribeckCurve(0.2, 0.2, 1.0, 0.0), 100.0, 0.0),
+        SmoothedCoulomb(0.3, 0.01),
+        Coulomb(0.3),
+    ],
+    ids=lambda term: term.name,
+)
+def test_a_level_of_its_own_beside_the_curve_slides_as_part_of_it(term: Term, way: MjcfWay) -> None:
+    """A bristle that holds a part of the friction was left out: the simulated joint slid with the rest alone."""
+    curve = BidirectionalStribeck(FORWARD, REVERSE)
+    export = export_mjcf(make_model(curve, term), way)
+    assert f"how friction builds up after a reversal by {term.name}" in str(export.fidelity)
+    assert "left out" not in str(export.fidelity)
+    levels = (0.3, 0.2) if isinstance(term, LuGre) else (0.3, 0.3)
+    ahead, back = (
+        replace(one, coulomb_torque=one.coulomb_torque + level, static_torque=one.static_torque + level)
+        for one, level in zip((FORWARD, REVERSE), levels, strict=True)
+    )
+    whole = export_mjcf(make_model(BidirectionalStribeck(ahead, back)), way)
+    assert (export.joint, export.actuator) == (whole.joint, whole.actuator)
 
 
 @pytest.mark.parametrize("way", ["damping", "frictionloss"])

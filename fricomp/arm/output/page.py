@@ -13,7 +13,8 @@ from fricomp.results import plain_name
 from ..confirmation import fit_plainly
 from ..examination import ArmExamination
 from ..record import ArmRecord
-from ..words.brief import show_interval, show_quantity, write_title
+from ..words.brief import write_title
+from ..words.quantity import show_interval, show_quantity
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
 _TO_JOINTS = "Each joint has a page of its own, behind its name: where its mismatch sits, and what the effects explain."

@@ -20,7 +20,7 @@ from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
 from ..arm_recording import ArmRecording
-from ..friction import plain_columns
+from ..columns import plain_columns
 from ..record import JointFrame
 from ..rigid.simulated_arm import SimulatedArm
 from ..rows import ArmRows, build_rows

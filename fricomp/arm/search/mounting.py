@@ -18,7 +18,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from ..arm_recording import ArmRecording
-from ..friction import plain_columns
+from ..columns import plain_columns
 from ..record import JointFrame
 from ..rigid.simulated_arm import SimulatedArm
 from .frames import (

@@ -7,7 +7,7 @@ or at a wrong velocity, bends Coulomb and viscous friction, and no small step le
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from fricomp.laws import FloatArray
 from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
-from ..friction import TERMS, JointForm
+from ..friction import CREEP, TERMS, JointForm
 from ..glance import Glance
 from ..prior import ArmPrior
 from ..rows import ArmRows
@@ -31,8 +31,8 @@ _STEP = 0.5
 _STILL = 0.02
 """Step of such a logarithm below which it stands still."""
 
-_MOVES = slice(2, None)
-"""Of a curve's parameters, those along which it moves."""
+_MOVES = {"stribeck": slice(2, None), CREEP: slice(1, None)}
+"""Of the parameters of a term, those along which its curve moves."""
 
 _TRIED = 3
 """Other curves that are tried, the most promising first."""
@@ -77,17 +77,18 @@ def hold_curve(model: ArmModel, joint: int) -> ArmModel:
         model: With a curve in this joint.
         joint: Its number.
     """
-    return replace(model, pinned=model.pinned | _name_moves(model.forms[joint], joint))
+    return replace(model, pinned=model.pinned | _name_moves(model.forms[joint], joint, ("stribeck",)))
 
 
-def _name_moves(form: JointForm, joint: int) -> set[tuple[int, str]]:
-    """The parameters along which the curve of a joint moves."""
-    return {(joint, name) for name in TERMS["stribeck"].names(dict(form.terms)["stribeck"])[_MOVES]}
+def _name_moves(form: JointForm, joint: int, terms: Collection[str] = tuple(_MOVES)) -> set[tuple[int, str]]:
+    """The parameters along which the curves of a joint move."""
+    known = {term: variant for term, variant in form.terms if term in terms}
+    return {(joint, name) for term, k in known.items() for name in TERMS[term].names(k)[_MOVES[term]]}
 
 
 def _free_curves(model: ArmModel) -> ArmModel:
-    curved = [(j, form) for j, form in enumerate(model.forms) if "stribeck" in form.names]
-    return replace(model, pinned=model.pinned.difference(*(_name_moves(form, j) for j, form in curved)))
+    moves = (_name_moves(form, j) for j, form in enumerate(model.forms))
+    return replace(model, pinned=model.pinned.difference(*moves))
 
 
 def _find_better(
@@ -165,10 +166,10 @@ def _with_curve(model: ArmModel, joint: int, variant: int) -> ArmModel:
 def _weigh_still(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> float:
     """Logarithm of the evidence of the curves where they stand; nothing where one is none."""
     model = fit.model
-    for j, form in enumerate(model.forms):
-        model = hold_curve(model, j) if "stribeck" in form.names else model
+    moves = (_name_moves(form, j) for j, form in enumerate(model.forms))
+    model = replace(model, pinned=model.pinned.union(*moves))
     still = fit_arm(fit.arm, equations, model, prior, fit)
-    falls = (is_curve(still, j) for j, form in enumerate(model.forms) if "stribeck" in form.names)
+    falls = [is_curve(still, j) for j, form in enumerate(model.forms) if "stribeck" in form.names]
     return still.log_evidence if all(falls) else -np.inf
 
 
@@ -192,28 +193,29 @@ def _move_curves(
     chosen = range(len(model.forms)) if joints is None else joints
     step, most = _find_steps(equations, fit, chosen), None
     for _ in range(_ROUNDS):
-        if not np.any(np.abs(step) > _STILL):
+        step = {name: np.where(np.abs(one) > _STILL, one, 0.0) for name, one in step.items()}  # others are known
+        if not any(np.any(one) for one in step.values()):
             break
         most = _weigh_still(equations, fit, prior) if most is None else most
-        step = np.where(np.abs(step) > _STILL, step, 0.0)  # columns of curves that stand still are known
-        moved = equations.with_stribeck(rows, equations.stribeck * np.exp(step))
+        moved = equations.with_stribeck(rows, equations.stribeck * np.exp(step["stribeck"]))
+        moved = moved.with_creep(rows, equations.creep * np.exp(step[CREEP]))
         there = fit_arm(fit.arm, moved, fit.model, prior, fit)
         if (weight := _weigh_still(moved, there, prior)) > most:
             fit, equations, step, most = there, moved, _find_steps(moved, there, chosen), weight
         else:
-            step = 0.5 * step
+            step = {name: 0.5 * one for name, one in step.items()}
     return fit, equations
 
 
-def _find_steps(equations: ArmEquations, fit: ArmFit, joints: Sequence[int]) -> FloatArray:
+def _find_steps(equations: ArmEquations, fit: ArmFit, joints: Sequence[int]) -> dict[str, FloatArray]:
     """How far logarithms of velocities and exponents of some joints are from where they fit best; none of the others.
-    Shape as `equations.stribeck`."""
-    steps = np.zeros_like(equations.stribeck)
+    Shapes as `equations.stribeck` and `equations.creep`."""
+    steps = {"stribeck": np.zeros_like(equations.stribeck), CREEP: np.zeros((*equations.creep.shape, 1))}
     for j in joints:
-        variant = dict(fit.model.forms[j].terms).get("stribeck")
-        if variant is None:
-            continue
-        excess, _, *moves = (fit.friction(j)[name] for name in TERMS["stribeck"].names(variant))
-        step = np.array(moves) / excess if excess > 0.0 else np.zeros(2)
-        steps[j, variant] = step * min(1.0, _STEP / max(float(np.max(np.abs(step))), _STEP))
-    return steps
+        for term, variant in fit.model.forms[j].terms:
+            if term not in _MOVES:
+                continue
+            values, moves = [fit.friction(j)[name] for name in TERMS[term].names(variant)], _MOVES[term]
+            step = np.array(values[moves]) / values[0] if values[0] > 0.0 else np.zeros(len(values[moves]))
+            steps[term][j, variant] = step * min(1.0, _STEP / max(float(np.max(np.abs(step))), _STEP))
+    return steps | {CREEP: steps[CREEP][:, :, 0]}

@@ -3,7 +3,6 @@ record alone."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from fricomp.diagnosis.effects import EFFECTS
@@ -12,8 +11,10 @@ from fricomp.overview import AT_BOUND
 
 from ..comparison.stated import say_stated
 from ..matter import LEAST_MATTER
-from ..record import ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord
+from ..record import ArmRecord, JointEffect, JointFrame, JointRecord
 from .corrections import name_frame, say_corrections
+from .links import name_link, say_lone_link
+from .quantity import show_quantity
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
@@ -34,9 +35,6 @@ _CAUSES = {
 
 _OFFSET = 0.1
 """Part of a joint's Coulomb torque beyond which a constant torque is told: links that are a little off leave less."""
-
-_MOST_DIGITS = 6
-"""Of a number in a sentence."""
 
 _UNEXPLAINED = 0.1
 """Part of a joint's friction that is left from which on it is said that something is missing: where nothing is, a
@@ -70,8 +68,9 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     lines += say_shared_causes(record.joints)
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
-    lines += [*say_offsets(record.joints), *say_unnamed(record.joints)]
-    lines += [f"Links that are off: {', '.join(map(_name_link, off))}."] if off else []
+    lines += [*say_offsets(record.joints), *say_unnamed(record.joints), *say_creep(record.joints)]
+    lines += say_lone_link(record.lone_link)
+    lines += [f"Links that are off: {', '.join(map(name_link, off))}."] if off and not record.lone_link else []
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
     lines += say_stated(record.joints)
     unknown = [link.name for link in record.links if link.state == "not_determined"]
@@ -224,6 +223,21 @@ def say_unnamed(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     )
 
 
+def say_creep(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """Which joints have friction that never holds, if any."""
+    shown = [
+        f"{one.name} ({one.creep_velocity:.2g} {'rad' if one.unit == 'N·m' else 'm'}/s)"
+        for one in joints
+        if one.creep_velocity is not None
+    ]
+    if not shown:
+        return ()
+    return (
+        "Friction creeps below a speed, as that of MuJoCo does by its default solref, and is viscous there, in "
+        f"{', '.join(shown)}: its Coulomb level is that above. The joints of a robot stick.",
+    )
+
+
 def say_what(effect: JointEffect) -> str:
     """What an effect is; a delay is that of one joint beside the others."""
     if effect.name != "torque_delay":
@@ -263,20 +277,6 @@ def _list_numbers(effect: JointEffect) -> str:
     )
 
 
-def _name_link(link: LinkRecord) -> str:
-    """With how much heavier it is, where its mass is what is off, or how far off its centre would be at that mass."""
-    low, high = (end - link.simulated_mass for end in link.mass.ci95)
-    if low <= 0.0 <= high:
-        moved = [
-            one.value - link.simulated_first_moment[axis]
-            for axis, one in link.first_moment.items()
-            if axis in link.determined
-        ]
-        way = math.hypot(*moved) / max(link.simulated_mass, 1e-9)
-        return f"{link.name} (mass elsewhere, as if its centre were off by {1e3 * way:.2g} mm)"
-    return f"{link.name} ({link.mass.value - link.simulated_mass:+.3g} kg)"
-
-
 def say_links(joints: Sequence[JointRecord]) -> str:
     """That links alone are off, and how much of the torques that is."""
     most = max(joints, key=lambda joint: joint.link_change)
@@ -299,42 +299,6 @@ def say_nothing_missing(joints: Sequence[JointRecord]) -> str:
 
 def _show_share(part: float) -> str:
     return f"{part:.0%}" if part >= 0.005 else "less than 1%"
-
-
-def say_link(link: LinkRecord) -> str:
-    """What is off of a link."""
-    gap = link.mass.value - link.simulated_mass
-    low, high = (end - link.simulated_mass for end in link.mass.ci95)
-    if low <= 0.0 <= high:
-        shown = {axis: one for axis, one in link.first_moment.items() if axis in link.determined}
-        moved = ", ".join(
-            f"{axis} {show_quantity(one)} for {link.simulated_first_moment[axis]:.3g} there"
-            for axis, one in (shown or link.first_moment).items()
-        )
-        where = f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}"
-        return f"{where}." if "mass" in link.determined else f"{where}; how heavy it is, this motion does not show."
-    way = "heavier" if gap > 0.0 else "lighter"
-    low, high = sorted((abs(low), abs(high)))
-    return f"{link.name} is {abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)."
-
-
-def show_quantity(quantity: Quantity) -> str:
-    """A value with its unit and interval, in as many digits as tell the ends of the interval apart."""
-    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-    bound = f", {AT_BOUND}" if quantity.at_bound else ""
-    return f"{quantity.value:.{_count_digits(quantity)}g}{unit} ({show_interval(quantity)}{bound})"
-
-
-def show_interval(quantity: Quantity) -> str:
-    """The interval alone, in as many digits."""
-    digits = _count_digits(quantity)
-    return " to ".join(f"{end:.{digits}g}" for end in quantity.ci95)
-
-
-def _count_digits(quantity: Quantity) -> int:
-    low, high = quantity.ci95
-    size, width = max(abs(low), abs(high), abs(quantity.value)), high - low
-    return 3 if width <= 0.0 else min(max(3, math.ceil(math.log10(max(size / width, 1.0))) + 1), _MOST_DIGITS)
 
 
 def say_possible_spring(joint: JointRecord) -> str:
