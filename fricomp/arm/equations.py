@@ -23,6 +23,7 @@ from .columns import creep_columns, friction_columns, load_columns, plain_column
 from .friction import (
     CREEP_SPEEDS,
     GEARS,
+    LEAST_CREEP,
     LEAST_STRIBECK,
     MOST_STRIBECK,
     STRIBECK_EXPONENTS,
@@ -155,7 +156,7 @@ class ArmEquations:
     def with_creep(self, rows: ArmRows, speeds: FloatArray) -> ArmEquations:
         """The same with friction that creeps below these speeds, as far as a joint can show them. Shape as `creep`."""
         top = self.top_speed[:, None]
-        speeds = np.clip(speeds, LEAST_STRIBECK * top, MOST_STRIBECK * top)
+        speeds = np.clip(speeds, LEAST_CREEP * top, MOST_STRIBECK * top)
 
         def made(joint: int, variant: int) -> FloatArray:
             return creep_columns(rows, joint, float(speeds[joint, variant]))

@@ -33,6 +33,7 @@ __all__ = [
     "CREEP",
     "CREEP_SPEEDS",
     "GEARS",
+    "LEAST_CREEP",
     "LEAST_STRIBECK",
     "LOWEST_RIPPLE",
     "MOST_STRIBECK",
@@ -55,7 +56,7 @@ CREEP = "creep"
 """Name of the term of friction that never holds: dry friction of simulators, solved softly. It is no physics of a
 joint, so that it has no name among the effects."""
 
-_STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
+_STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6)
 """Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
 fits best."""
 
@@ -76,6 +77,9 @@ the Coulomb torque at the next one, and the rest of it as what else bends about 
 CREEP_SPEEDS = (0.03, 0.06, 0.12, 0.24)
 """Speeds below which friction is viscous and holds nothing to start from, as parts of a joint's top speed; the one that
 is taken moves to where it fits best. Below, such rows are not compared; above, it is viscous friction."""
+
+LEAST_CREEP = 1e-3
+"""Of a joint's top speed, below which such friction sticks as far as anyone can see."""
 
 _ARM = 0.1
 """[m/rad] by which distances of an axis that slides are those of a joint that turns: the radius of a pulley. Axes come
