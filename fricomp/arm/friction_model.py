@@ -76,9 +76,9 @@ def _build_core(
     """The curves of both directions, and the parts of their level that creep, or that a bristle builds up."""
     if CREEP in form:
         level = values[TERMS[CREEP].names(form[CREEP])[0]]
-        rest = {name: one for name, one in form.items() if name != CREEP}
+        others = {name: one for name, one in form.items() if name != CREEP}
         soft = SmoothedCoulomb(max(level, 0.0), _SMOOTHING * find_creep_velocity(found, joint))
-        return (*_build_core(found, joint, values | {"coulomb": values["coulomb"] - level}, rest), soft)
+        return (*_build_core(found, joint, values | {"coulomb": values["coulomb"] - level}, others), soft)
     if "presliding_hysteresis" not in form:
         return (BidirectionalStribeck(*_build_curves(found, joint, values, form)),)
     level = values[TERMS["presliding_hysteresis"].names(form["presliding_hysteresis"])[0]]

@@ -20,6 +20,7 @@ from fricomp.errors import IdentificationError
 from .arm_recording import ArmRecording
 from .bandwidth import choose_rows, raise_cutoff
 from .coordinates import ArmModel
+from .delay_correction import move_torques, take_off_delay
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
 from .friction import GEARS
@@ -29,7 +30,6 @@ from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .robust_fit import fit_robustly
 from .rows import ArmRows
-from .search.delay_correction import move_torques, take_off_delay
 from .search.early_torque import EarlyTorques
 from .search.gear import YIELDING_GEAR, GearSearch
 from .search.proposal import propose_models
@@ -37,7 +37,7 @@ from .search.ripple import propose_ripples
 from .search.shared_delay import SharedDelay, share_delays
 from .search.stribeck import is_curve
 
-__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "identify_arm", "identify_without"]
+__all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "ArmSearch", "identify_arm", "identify_without"]
 
 Progress = Callable[[str], None]
 
@@ -164,12 +164,12 @@ class ArmSearch:
         """
         higher = raise_cutoff(found.rows, found.equations, found.fit, self.recording, self.prior, begun.weights.noise)
         if higher is not None:
-            found = self._search_again(*higher, found)
+            found = self.search_again(*higher, found)
         model = found.fit.model
         fit, equations = fit_robustly(self.arm, found.rows, found.equations, model, self.prior, found.fit, settled=True)
         return replace(found, fit=fit, equations=equations, begun=(rows, begun))
 
-    def _search_again(self, rows: ArmRows, equations: ArmEquations, known: ArmIdentification) -> ArmIdentification:
+    def search_again(self, rows: ArmRows, equations: ArmEquations, known: ArmIdentification) -> ArmIdentification:
         """In another band.
 
         What is missing shifts the delay that joints ask for, and the more the wider the band is. So the one that is

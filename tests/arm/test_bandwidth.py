@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from fricomp.arm import identification
+from fricomp.arm import delay_correction
 from fricomp.arm.bandwidth import choose_rows, raise_cutoff
 from fricomp.arm.coordinates import ArmModel
 from fricomp.arm.equations import ArmEquations, build_equations
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.fit import ArmFit
 from fricomp.arm.friction import JointForm
+from fricomp.arm.identification import ArmSearch
 from fricomp.arm.prior import ArmPrior
 from fricomp.arm.robust_fit import fit_robustly
 from fricomp.arm.rows import build_rows
@@ -44,7 +45,8 @@ def test_a_delay_stands_in_another_band_until_what_was_found_beside_it_is_found_
     recordings = record_arm(simulation, follow_load, duration=10.0, rate=100.0, delay=0.004)
     arm, recording = match_recordings(recordings, simulation)
     rows, equations = choose_rows(arm, recording, ArmModel.build_plain(3), prior)
-    first = identification._search(rows, equations, arm, recording, prior, lambda _: None)
+    search = ArmSearch(arm, recording, prior, lambda _: None)
+    first = search.run(rows, equations, ArmModel.build_plain(3), SharedDelay(0.0, 0.0, {}))
     assert first.delay.value == pytest.approx(0.004, abs=5e-4)
     seen: list[tuple[JointForm, ...]] = []
 
@@ -52,7 +54,7 @@ def test_a_delay_stands_in_another_band_until_what_was_found_beside_it_is_found_
         seen.append(fit.model.forms)
         return measure_delay(equations, fit, prior)
 
-    monkeypatch.setattr(identification, "measure_delay", look)
-    again = identification._search(rows, equations, arm, recording, prior, lambda _: None, first)
+    monkeypatch.setattr(delay_correction, "measure_delay", look)
+    again = search.search_again(rows, equations, first)
     assert any("load_coulomb" in form.names for form in seen[0])
     assert again.delay.value == pytest.approx(first.delay.value, abs=5e-4)

@@ -90,7 +90,9 @@ def test_a_second_form_of_an_effect_mends_the_first() -> None:
 
 
 def test_columns_of_every_kind_have_a_place() -> None:
-    places = [find_columns(filled) for filled in ("motion", "stribeck", "creep", "delay", "ripple", "gap", "spring", "load")]
+    places = [
+        find_columns(filled) for filled in ("motion", "stribeck", "creep", "delay", "ripple", "gap", "spring", "load")
+    ]
     assert [place.start for place in places[1:]] == [place.stop for place in places[:-1]]
     assert places[-1].stop == len(column_names())
 
