@@ -12,6 +12,7 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.root_mean_square import compute_rms
 
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
+from .coordinates import ArmModel
 from .fit import ArmFit
 from .friction import TERMS
 from .glance import Glance
@@ -23,6 +24,7 @@ from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .search.gear import YIELDING_GEAR
+from .search.stribeck import hold_curve, suit_curve
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -246,6 +248,9 @@ def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term:
     if term[1] == "torque_gain_error":
         opened = less.opened | frozenset(range(term[0], len(fit.arm.links)))
         less = replace(less, opened=opened, rotorless=less.rotorless - {term[0]})
+    bent = _measure_bend(data, fit, less, term)
+    if bent is not None:
+        return bent
     joint, whole = term[0], TERMS[term[1]].whole
     after, before = (
         np.array([rows[joint], *means[:, joint], *([weighted[joint]] if whole else [])])
@@ -255,3 +260,28 @@ def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term:
         )
     )
     return float(np.max(1.0 - after / np.maximum(before, 1e-300)))
+
+
+def _measure_bend(data: ConfirmedData, fit: ArmFit, less: ArmModel, term: tuple[int, str]) -> float | None:
+    """The same of what bends over the speed, beside curves that stand still; None for anything else.
+
+    Free to move along its slopes, a wide Stribeck curve makes any bend, also such as no curve has. So the term is
+    compared with the curve that suits the joint without it.
+    """
+    joint, name = term
+    if TERMS[name].family != "speed" or fit.model.forms[joint].has_other_form(name):
+        return None
+    instead = suit_curve(data.rows, data.equations, fit, data.prior, less, joint)
+    if instead is None:
+        return None
+    own, other = _hold(fit.model, joint), _hold(instead.fit.model, joint)
+    rest = ConfirmedData(fit.arm, instead.equations, data.prior, data.rows)
+    after, before = (
+        np.array([rows[joint], *means[:, joint]])
+        for rows, means, _ in (data.measure_model(own, fit), rest.measure_model(other, instead.fit))
+    )
+    return float(np.max(1.0 - after / np.maximum(before, 1e-300)))
+
+
+def _hold(model: ArmModel, joint: int) -> ArmModel:
+    return hold_curve(model, joint) if "stribeck" in model.forms[joint].names else model

@@ -81,11 +81,13 @@ class ConfirmedData:
 
     Attributes:
         equations: Of all rows.
+        prior: How far the simulation is trusted.
+        rows: Motion and torques.
     """
 
     def __init__(self, arm: SimulatedArm, equations: ArmEquations, prior: ArmPrior, rows: ArmRows) -> None:
-        self.equations = equations
-        self._arm, self._prior, self._ripples = arm, prior, RippleSearch(rows, arm.rotary)
+        self.equations, self.prior, self.rows = equations, prior, rows
+        self._arm, self._ripples = arm, RippleSearch(rows, arm.rotary)
         self._block = np.arange(len(rows)) * _BLOCKS // len(rows)
         self._spans = [_list_spans(rows, mean) for mean in _MEANS]
         self._sums = equations.split(self._block)
@@ -103,9 +105,9 @@ class ConfirmedData:
             first = rng.permutation(_BLOCKS) % 2 == 0
             for half in (first, ~first):
                 part = EquationSums.join([one for one, kept in zip(self._sums, half, strict=True) if kept])
-                whole = fit_arm(self._arm, part, fit.model, self._prior, fit, steps=3)
+                whole = fit_arm(self._arm, part, fit.model, self.prior, fit, steps=3)
                 for (j, name), seen in votes.items():
-                    less = fit_arm(self._arm, part, without_term(fit.model, j, name), self._prior, whole, steps=3)
+                    less = fit_arm(self._arm, part, without_term(fit.model, j, name), self.prior, whole, steps=3)
                     again = name != "cogging" or self._finds_order_again(j, less, half[self._block])
                     seen.append(whole.log_evidence > less.log_evidence and again)
         return {key: float(np.mean(seen)) for key, seen in votes.items()}
@@ -151,7 +153,7 @@ class ConfirmedData:
 
     def leave_out(self, model: ArmModel, start: ArmFit) -> FloatArray:
         """What one model leaves of rows by fits from `start` to blocks that they are not in. Shape (n, n_joints)."""
-        fits = [fit_arm(self._arm, part, model, self._prior, start, steps=5) for part in self._trained]
+        fits = [fit_arm(self._arm, part, model, self.prior, start, steps=5) for part in self._trained]
         return _join_folds(self._block % _FOLDS, [one.residuals(self.equations) for one in fits])
 
 

@@ -102,8 +102,8 @@ def _drop_needless_bend(
             continue
         for name in (one for one in form.names if TERMS[one].family == "speed"):
             instead = suit_curve(rows, equations, fit, prior, without_term(fit.model, j, name), j)
-            if instead is not None and instead[1] < EVIDENCE:
-                return instead[0]
+            if instead is not None and instead.lost < EVIDENCE:
+                return instead.model
         kept.add((j, form))
     return None
 
@@ -128,8 +128,8 @@ def _free_viscous(
         freed.add(j)
         free = replace(fit.model, pinned=frozenset(one for one in fit.model.pinned if one[0] != j))
         other = suit_curve(rows, equations, fit, prior, free, j)
-        if other is not None and other[1] < 0.0:
-            return other[0]
+        if other is not None and other.lost < 0.0:
+            return other.model
     return None
 
 

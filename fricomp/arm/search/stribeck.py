@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +40,22 @@ _TRIED = 3
 
 _BETTER = 1.0
 """Logarithm of the Bayes factor by which another curve must be better, or changes of it would not end."""
+
+
+class SuitedCurve(NamedTuple):
+    """Another model with the curve that suits it.
+
+    Attributes:
+        model: The other one.
+        lost: Logarithm of the Bayes factor of the fit against it.
+        fit: Of that model, with its curve where it is most probable.
+        equations: With that curve.
+    """
+
+    model: ArmModel
+    lost: float
+    fit: ArmFit
+    equations: ArmEquations
 
 
 def refine_stribeck(
@@ -131,7 +148,7 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
 
 def suit_curve(
     rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, other: ArmModel, joint: int
-) -> tuple[ArmModel, float] | None:
+) -> SuitedCurve | None:
     """Another model of a joint with the curve that suits that; None where none falls with the speed.
 
     Every friction law has a curve, and what bends over the speed is weighed beside one that stands still: a curve of a
@@ -144,9 +161,6 @@ def suit_curve(
         prior: How far the simulation is trusted.
         other: The model of the fit without something, or with something that was held, in that joint.
         joint: Its number.
-
-    Returns:
-        That model, and the logarithm of the Bayes factor of the fit against it.
     """
     if "stribeck" not in other.forms[joint].names:
         glance = Glance(equations, fit, prior)
@@ -156,7 +170,8 @@ def suit_curve(
             return None
         other = max(curves, key=glance.measure_gain)
     there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, other, prior, fit), prior)
-    return other, _weigh_still(equations, fit, prior) - _weigh_still(moved, there, prior)
+    lost = _weigh_still(equations, fit, prior) - _weigh_still(moved, there, prior)
+    return SuitedCurve(other, lost, there, moved)
 
 
 def _with_curve(model: ArmModel, joint: int, variant: int) -> ArmModel:
