@@ -160,9 +160,8 @@ def test_a_bend_over_the_speed_stands_against_the_curve_that_suits_its_joint(cur
     plain = without_term(drag, 0, "quadratic_drag")
     instead = suit_curve(found.rows, found.equations, fit, found.prior, plain, 0)
     assert instead is not None
-    model, evidence = instead
-    assert model.forms[0].names == ("stribeck",)
-    assert evidence < -50.0
+    assert instead.model.forms[0].names == ("stribeck",)
+    assert instead.lost < -50.0
 
 
 def test_where_no_curve_falls_with_the_speed_none_stands_against_a_bend(tmp_path: Path) -> None:
@@ -172,7 +171,7 @@ def test_where_no_curve_falls_with_the_speed_none_stands_against_a_bend(tmp_path
     assert "quadratic_drag" in found.fit.model.forms[1].names
     plain = without_term(found.fit.model, 1, "quadratic_drag")
     instead = suit_curve(found.rows, found.equations, found.fit, found.prior, plain, 1)
-    assert instead is None or instead[1] > 50.0
+    assert instead is None or instead.lost > 50.0
 
 
 def test_a_term_that_comes_out_below_zero_is_none(curved: ArmExamination) -> None:

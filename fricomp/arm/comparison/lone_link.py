@@ -37,6 +37,9 @@ _ROUNDS = 3
 _TRIED = 3
 """Links whose factor is found to the last, the most probable first."""
 
+_FARTHEST = 3.0
+"""Prior deviations of the logarithm of a factor beyond which none is looked for: those of a link that is far off."""
+
 _ALIKE = 3.0
 """Logarithm of a Bayes factor below which another link does as well: odds of twenty to one."""
 
@@ -98,9 +101,12 @@ def _scale_links(found: ArmIdentification, start: ArmFit) -> Iterator[_Scaled]:
     for look in looks[:_TRIED]:
         one, fit = look, start
         for _ in range(_ROUNDS):
+            if abs(one.value) > _FARTHEST * found.prior.opened:
+                break
             fit = _fit_scaled(found, fit, one)
             one = _look(found, fit, look.link, one.value)
-        yield one
+        else:
+            yield one
 
 
 def _look(found: ArmIdentification, fit: ArmFit, link: int, value: float) -> _Scaled:
