@@ -23,7 +23,6 @@ from .physics import is_whole
 from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
-from .search.gear import YIELDING_GEAR
 from .search.stribeck import hold_curve, suit_curve
 from .uncertainty.scatter import widen_covariance
 
@@ -67,14 +66,12 @@ class ArmAnswer:
         errors: On data that took no part.
         own_delays: By how much later than all the torque of each joint is, and the standard deviation [s]; none where
             the model has no such term.
-        refuted: What was left out when no gear that gives way was in the model, by the names of `propose_models`.
     """
 
     identification: ArmIdentification
     evidence: dict[tuple[int, str], TermEvidence]
     errors: HeldOutErrors
     own_delays: tuple[tuple[float, float], ...]
-    refuted: frozenset[str] = frozenset()
 
     def is_named(self, joint: int, term: str) -> bool:
         """Whether a term of a joint is physics that matters: an effect that lacks nothing."""
@@ -177,7 +174,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     """
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
-    pruning, refuted = Pruning(prior), set[str]()
+    pruning = Pruning(prior)
     while True:
         widened = widen_covariance(fit, equations, rows)
         less = pruning.find_less(rows, equations, fit, widened)
@@ -200,12 +197,10 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         if not weak:
             final = replace(found, fit=widened, equations=equations)
             delays = tuple(find_own_delay(final, j) for j in range(len(arm.joints)))
-            return ArmAnswer(final, evidence, errors, delays, frozenset(refuted))
-        rigid = not any(YIELDING_GEAR in form.names for form in fit.model.forms)
+            return ArmAnswer(final, evidence, errors, delays)
         less = fit.model
         for joint, term in _choose_weakest(weak):
             less = without_term(less, joint, term)
-            refuted |= {f"{arm.joints[joint]}: {term}"} if rigid else set()
         fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
 
 

@@ -62,12 +62,6 @@ class ArmModel:
     rotorless: frozenset[int] = frozenset()
     pinned: frozenset[tuple[int, str]] = frozenset()
 
-    def has_more(self, other: ArmModel) -> bool:
-        """Whether there is anything in this model that another one lacks."""
-        terms = any(set(own.names) - set(form.names) for own, form in zip(self.forms, other.forms, strict=True))
-        signals = self.tilted > other.tilted or self.gain > other.gain
-        return terms or signals or bool(self.opened - other.opened)
-
     @classmethod
     def build_plain(cls, joints: int) -> ArmModel:
         """Nothing beside plain friction in this many joints."""

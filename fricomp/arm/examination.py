@@ -91,11 +91,8 @@ def examine_arm(
     answer = confirm_terms(found, seed)
     lost = _list_gears(found) - _list_gears(answer.identification)
     if lost:
-        say("searching on, without a gear that is not borne out")
-        before = answer.identification
-        found = identify_without(before, lost | answer.refuted, progress)
-        if found.fit.model.has_more(before.fit.model):
-            answer = confirm_terms(found, seed)
+        say("searching again, without a gear that is not borne out")
+        answer = confirm_terms(identify_without(answer.identification, lost, progress), seed)
     return ArmExamination(answer, write_record(answer))
 
 

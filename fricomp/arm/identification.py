@@ -19,14 +19,13 @@ from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
 from .bandwidth import choose_rows, raise_cutoff
-from .confirmation import without_terms
 from .coordinates import ArmModel
 from .delay_correction import move_torques, take_off_delay
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
 from .friction import GEARS
 from .glance import Glance
-from .physics import is_physical, is_whole, let_go_of_zero
+from .physics import is_physical, is_whole
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .robust_fit import fit_robustly
@@ -76,7 +75,6 @@ class ArmIdentification:
         trials: What was tried, with the logarithm of its Bayes factor when it was last weighed.
         rivals: Of each thing that was taken in, what would have done nearly as well in the same joint.
         begun: Rows and equations at the bandwidth that was chosen before anything was found.
-        taken: Names of all that was taken in, in that order.
     """
 
     recording: ArmRecording
@@ -88,7 +86,6 @@ class ArmIdentification:
     trials: dict[str, float]
     rivals: dict[str, tuple[str, ...]]
     begun: tuple[ArmRows, ArmEquations]
-    taken: tuple[str, ...] = ()
 
 
 @one_blas_thread()
@@ -119,9 +116,9 @@ def identify_arm(
 def identify_without(
     found: ArmIdentification, barred: frozenset[str], progress: Progress | None = None
 ) -> ArmIdentification:
-    """Search on without what was not borne out, from what was taken in before it and confirmed.
+    """Search again, in the band that was begun with, without what was not borne out.
 
-    What came after it was found beside it, and is weighed again.
+    What was found beside it leans on it: gone on from that, the search names what nobody finds without it.
 
     Args:
         found: With the model that was confirmed.
@@ -129,23 +126,8 @@ def identify_without(
         progress: Called with a few words before each step.
     """
     search = ArmSearch(found.fit.arm, found.recording, found.prior, progress or (lambda _: None), barred)
-    search.trials |= found.trials
-    search.rivals |= found.rivals
-    first = min((found.taken.index(name) for name in barred if name in found.taken), default=len(found.taken))
-    search.taken += found.taken[:first]
-    model = _keep_taken(found.fit, frozenset(search.taken))
-    return search.finish(search.run(found.rows, found.equations, model, found.delay), *found.begun)
-
-
-def _keep_taken(fit: ArmFit, taken: frozenset[str]) -> ArmModel:
-    """The model of a fit with those things alone, and with all free that was held at zero."""
-    model = fit.model
-    for j, (joint, form) in enumerate(zip(fit.arm.joints, model.forms, strict=True)):
-        model = without_terms(model, j, [name for name in form.names if f"{joint}: {name}" not in taken])
-    opened = frozenset(i for i in model.opened if f"{fit.arm.links[i]} is off" in taken)
-    tilted, gain = "gravity leans over" in taken, "all torques have a gain" in taken
-    kept = replace(model, opened=opened, tilted=model.tilted and tilted, gain=model.gain and gain)
-    return let_go_of_zero(kept)
+    plain = ArmModel.build_plain(len(found.fit.arm.joints))
+    return search.finish(search.run(*found.begun, plain, SharedDelay(0.0, 0.0, {})), *found.begun)
 
 
 @dataclass
@@ -160,7 +142,6 @@ class ArmSearch:
         barred: Things that are not looked for, by the names of `propose_models`.
         trials: As those of `ArmIdentification`.
         rivals: As those of `ArmIdentification`.
-        taken: As that of `ArmIdentification`.
     """
 
     arm: SimulatedArm
@@ -170,7 +151,6 @@ class ArmSearch:
     barred: frozenset[str] = frozenset()
     trials: dict[str, float] = field(default_factory=dict)
     rivals: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    taken: list[str] = field(default_factory=list)
 
     def finish(self, found: ArmIdentification, rows: ArmRows, begun: ArmEquations) -> ArmIdentification:
         """Search again in a wider band where that says more, and settle.
@@ -194,7 +174,7 @@ class ArmSearch:
         known from another band, beside what was found there, stands until this is found again.
         """
         plain = replace(ArmModel.build_plain(len(self.arm.joints)), prompt=known.fit.model.prompt)
-        self.trials, self.rivals, self.taken = {}, {}, []
+        self.trials, self.rivals = {}, {}
         moved, equations = move_torques(self.recording, rows, equations, known.delay.value)
         model, _, equations = self._take_in(moved, equations, plain)
         return self.run(moved, equations, model, known.delay)
@@ -220,9 +200,8 @@ class ArmSearch:
             model, fit, equations = self._take_in(rows, equations, model)
             if model == before:
                 break
-        taken = tuple(self.taken)
         return ArmIdentification(
-            self.recording, rows, equations, fit, delay, self.prior, self.trials, self.rivals, begun, taken
+            self.recording, rows, equations, fit, delay, self.prior, self.trials, self.rivals, begun
         )
 
     def _take_in(
@@ -243,7 +222,6 @@ class ArmSearch:
                 return fit.model, fit, equations
             alike = [name for name in _order(tried) if _is_rival(name, best) and gains[name] > gains[best] - _ALIKE]
             self.rivals[alike[0]] = tuple(alike[1:])
-            self.taken.append(alike[0])
             chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
             fit, equations = fit_robustly(self.arm, rows, equations, chosen.model, self.prior, chosen)
             if alike[0].endswith(f": {YIELDING_GEAR}"):  # until then links made up for it, and what bends it

@@ -9,7 +9,7 @@ import numpy as np
 
 from .coordinates import ArmModel
 from .fit import ArmFit
-from .friction import PLAIN, TERMS
+from .friction import TERMS
 
 _SURE = 2.0
 """Standard deviations by which a parameter must be on the wrong side."""
@@ -57,13 +57,6 @@ def hold_at_zero(fit: ArmFit) -> ArmModel:
             free = (j, "viscous_difference") not in pinned
             pinned.add((j, "viscous_difference" if free else "viscous"))
     return replace(fit.model, rotorless=rotorless, pinned=frozenset(pinned))
-
-
-def let_go_of_zero(model: ArmModel) -> ArmModel:
-    """The model in which all that `hold_at_zero` may have held is free again."""
-    replaced = {(j, name) for j, form in enumerate(model.forms) for term in form.names for name in TERMS[term].replaces}
-    pinned = frozenset(one for one in model.pinned if one[1] not in PLAIN or one in replaced)
-    return replace(model, rotorless=frozenset(), pinned=pinned)
 
 
 def is_physical(fit: ArmFit, before: ArmFit | None = None, is_early: Callable[[int], bool] = lambda _: False) -> bool:

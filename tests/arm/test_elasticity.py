@@ -56,7 +56,7 @@ def test_gradients_are_those_of_the_torque(tmp_path: Path) -> None:
     assert gradient[:, :, _ELBOW] == pytest.approx((there - back) / 2e-5, abs=1e-5)
 
 
-def test_a_gear_that_is_not_borne_out_is_barred_and_the_search_goes_on_from_what_was_confirmed(
+def test_a_gear_that_is_not_borne_out_is_barred_and_all_is_searched_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     simulation = write_arm(tmp_path)
@@ -74,7 +74,6 @@ def test_a_gear_that_is_not_borne_out_is_barred_and_the_search_goes_on_from_what
     ((first, barred),) = begun
     assert barred == {"a: joint_elasticity"}
     assert [form.names for form in first.fit.model.forms] == [form.names for form in found.fit.model.forms]
-    assert first.trials.keys() <= found.trials.keys()
 
 
 def test_what_is_barred_is_not_taken_in(tmp_path: Path) -> None:
