@@ -32,7 +32,7 @@ def test_a_track_knows_at_which_samples_no_row_was_recorded(longest: int) -> Non
     assert whole.missing.size == 0
     assert np.mean(lost.missing) == pytest.approx(0.03, rel=0.3)
     np.testing.assert_allclose(lost.position[~lost.missing], whole.position[~lost.missing])
-    np.testing.assert_allclose(lost.bridge(whole.position), lost.position)
+    np.testing.assert_allclose(lost.fill_rows(whole.position), lost.position)
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_coeffs
 
 from .settings import INPUT
@@ -20,6 +21,12 @@ def differentiate(values: FloatArray, dt: float, window: float = INPUT.velocity_
     middle = np.convolve(values, inner, mode="valid")
     result: FloatArray = np.concatenate([first @ values[:samples], middle, last @ values[values.size - samples :]])
     return result
+
+
+def draw_curve(at: FloatArray, values: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Draw a smooth curve through values at the instants `at` and read it at those `wanted` [s]. Shape of `wanted`."""
+    curve: FloatArray = CubicSpline(at, values)(wanted)
+    return curve
 
 
 @lru_cache(maxsize=32)

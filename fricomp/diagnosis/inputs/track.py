@@ -18,7 +18,7 @@ from fricomp.recording import Recording
 from .controller import Controller
 from .past import Past
 from .settings import INPUT
-from .signal import FloatArray, differentiate
+from .signal import FloatArray, differentiate, draw_curve
 from .spikes import remove_spikes
 from .unrest import measure_unrest
 
@@ -106,6 +106,7 @@ class Track:
         delays: Earliest and latest that a torque without any flaw comes [s].
         acts_late: Time by which the recorded torque was moved, since it acts so long after its stamp [s].
         missing: Samples at which no row was recorded, which lie on straight lines; empty where none are. Shape (n,).
+        stamps: Instants of the rows where these are further apart than samples [s]; empty elsewhere. Shape (r,).
         source: Number of the recording that it is a part of: an encoder's zero and a payload are the same in all parts.
         past: How the joint was driven over all of that recording; None where this track is all of it.
     """
@@ -126,6 +127,7 @@ class Track:
     delays: tuple[float, float] = (-5e-4, 5e-4)
     acts_late: float = 0.0
     missing: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    stamps: FloatArray = field(default_factory=lambda: np.zeros(0))
     source: int = 0
     past: Past | None = None
 
@@ -139,8 +141,15 @@ class Track:
         """Time since the first sample [s]. Shape (n,)."""
         return np.arange(self.size, dtype=np.float64) * np.float64(self.dt)
 
-    def bridge(self, values: FloatArray) -> FloatArray:
-        """Values with straight lines where this track has no row. Shape (n,)."""
+    def take_rows(self, values: FloatArray) -> FloatArray:
+        """Take of values at the samples, shape (n,), those that rows hold, shape (r,)."""
+        return draw_curve(self.time, values, self.stamps) if self.stamps.size else values
+
+    def fill_rows(self, values: FloatArray) -> FloatArray:
+        """Values at the samples as they follow from those of rows, shape (r,): curves between slow rows, straight lines
+        where rows are missing. Shape (n,)."""
+        if self.stamps.size:
+            return draw_curve(self.stamps, values, self.time)
         if not self.missing.any():
             return values
         bridged: FloatArray = np.array(values)
@@ -175,8 +184,9 @@ class Track:
         channels: Mapping[str, FloatArray] | None = None,
         name: str = "recording",
         noise: TorqueNoise | None = None,
+        position_noise: PositionNoise | None = None,
     ) -> Track:
-        """Estimate velocity, encoder step and torque noise from the samples, and take lone spikes out of the torque.
+        """Estimate velocity, encoder step and noise from the samples, and take lone spikes out of the torque.
 
         Samples that were interpolated do not show their noise: it is given, and the spikes were taken out before.
         """
@@ -194,7 +204,7 @@ class Track:
             rotary=rotary,
             channels=dict(channels or {}),
             name=name,
-            position_noise=measure_position_noise(position, velocity),
+            position_noise=measure_position_noise(position, velocity) if position_noise is None else position_noise,
         )
 
 

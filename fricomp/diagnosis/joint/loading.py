@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
@@ -16,6 +15,7 @@ from ..inputs.checks import PART_OF
 from ..inputs.controller import Controller
 from ..inputs.past import Past
 from ..inputs.rigid import Spring
+from ..inputs.signal import draw_curve
 from ..inputs.spikes import remove_spikes
 from ..inputs.track import (
     SIMULATED_SPRING,
@@ -27,6 +27,7 @@ from ..inputs.track import (
     differentiate,
     find_calm_samples,
     find_encoder_step,
+    measure_position_noise,
     measure_torque_noise,
 )
 from .settings import JOINT
@@ -127,12 +128,13 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
     grid: FloatArray = np.arange(int(time[-1] / dt + 1e-6) + 1) * np.float64(dt)
     uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
 
+    slow = recording.sample_period > 1.5 * dt
+
     def sample(values: FloatArray) -> FloatArray:
         if uniform:
             return np.array(values)
-        if recording.sample_period > 1.5 * dt:
-            result: FloatArray = CubicSpline(time, values)(grid)
-            return result
+        if slow:
+            return draw_curve(time, values, grid)
         interpolated: FloatArray = np.interp(grid, time, values)
         return interpolated
 
@@ -140,9 +142,10 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
     extra = recording.metadata.extra.get("neighbour_position")
     if isinstance(extra, list):
         channels["neighbour_position"] = sample(np.asarray(extra, dtype=np.float64))
-    position, torque, noise = np.array(recording.position), np.array(recording.torque), None
-    if recording.sample_period > 1.5 * dt:
+    position, torque, noise, seen_at = np.array(recording.position), np.array(recording.torque), None, None
+    if slow:
         velocity = differentiate(position, recording.sample_period)
+        seen_at = measure_position_noise(position, velocity)
         seen = measure_torque_noise(torque, find_calm_samples(position, velocity, recording.sample_period))
         torque = remove_spikes(torque, seen.size, position, recording.sample_period)
         noise = TorqueNoise(0.0, seen.size, float(np.exp(-dt / recording.sample_period)))
@@ -154,11 +157,12 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
         channels=channels,
         name=name,
         noise=noise,
+        position_noise=seen_at,
     )
     resolution = recording.metadata.encoder_resolution or find_encoder_step(position)
-    slow = recording.sample_period > 1.5 * dt
     missing = np.zeros(0, dtype=bool) if slow or uniform else _mark_missing(time, grid, dt)
-    return replace(track, resolution=resolution, missing=missing, loop=None if slow else loop)
+    stamps = time if slow else np.zeros(0)
+    return replace(track, resolution=resolution, missing=missing, stamps=stamps, loop=None if slow else loop)
 
 
 def _mark_missing(time: FloatArray, grid: FloatArray, dt: float) -> NDArray[np.bool_]:

@@ -218,12 +218,13 @@ def _draw_null(
         late = track.position_noise.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
-    torque = track.bridge(torque + track.unrest * drawn)
+    torque = track.fill_rows(track.take_rows(torque + track.unrest * drawn))
+    position = track.take_rows(position)
     if own > 0.0:
-        position = position + own * rng.standard_normal(track.size)
+        position = position + own * rng.standard_normal(position.size)
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
-    position = track.bridge(position)
+    position = track.fill_rows(position)
     return replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
 
 
