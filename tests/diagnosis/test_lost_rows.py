@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -33,6 +35,30 @@ def test_a_track_knows_at_which_samples_no_row_was_recorded(longest: int) -> Non
     assert np.mean(lost.missing) == pytest.approx(0.03, rel=0.3)
     np.testing.assert_allclose(lost.position[~lost.missing], whole.position[~lost.missing])
     np.testing.assert_allclose(lost.fill_rows(whole.position), lost.position)
+
+
+def test_what_lies_between_slow_rows_is_drawn_from_these_alone() -> None:
+    """Nulls of a slow log had an encoder that was rounded anew at each point of the finer grid."""
+    track = build_tracks([recording(ToyJoint(), "fourier", 8.0, every=10)])[0]
+    assert track.dt == pytest.approx(2.5e-3)
+    assert track.stamps == pytest.approx(0.01 * np.arange(800))
+    rows = track.take_rows(track.position)
+    np.testing.assert_allclose(rows, track.position[::4], atol=1e-12)
+    np.testing.assert_allclose(track.fill_rows(rows), track.position, atol=1e-12)
+    rounded = np.round(track.position / 1e-3) * 1e-3
+    drawn = track.fill_rows(track.take_rows(rounded))
+    np.testing.assert_allclose(drawn[::4], rounded[::4], atol=1e-12)
+    assert np.max(np.abs(drawn - rounded)) > 2e-4
+
+
+@pytest.mark.slow
+def test_a_coarse_encoder_in_slow_rows_is_no_physics() -> None:
+    """At 100 Hz and 1.5 mrad a joint with nothing missing was something unknown."""
+    step = 2.0 * np.pi / 2**12
+    slow = recording(ToyJoint(torque_noise=0.02), "rich", 60.0, seed=3, every=10)
+    found = diagnose(replace(slow, position=np.round(slow.position / step) * step, velocity=None))
+    assert found.record.verdict == "consistent"
+    assert found.record.noise_ratio == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.slow

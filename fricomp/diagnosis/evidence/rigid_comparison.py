@@ -57,7 +57,10 @@ def compare_rigid(
     # What moved strays by a part of its own size as well: that tells no hypothesis from another.
     own = np.array([abs(shift[0]), *[float(np.linalg.norm(shift[1:]))] * len(static)])
     floor += np.diag((PARAMETERS.form * own) ** 2)
-    weight = np.asarray(np.linalg.inv(covariance + floor), dtype=np.float64)
+    # Nor does what nobody would miss: a gravity that is off by a trifle makes no other load of another inertia.
+    per = np.array([max(given.inertia * acceleration, 1e-12), *np.ones(len(static))])
+    trifle = 0.5 * GATES.material * plant.level / per
+    weight = np.asarray(np.linalg.inv(covariance + floor + np.diag(trifle**2)), dtype=np.float64)
     scores, fitted = weigh_hypotheses(shift, weight, hypotheses)
     best = min(hypotheses, key=lambda name: scores[name])
     # Inertia and gravity that are off by the same factor are a gain as well as another mass. The gain is named where

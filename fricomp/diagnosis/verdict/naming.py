@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 from ..effects import EFFECTS
@@ -59,11 +59,17 @@ def _list_shifts(findings: Findings) -> dict[str, Shift]:
     taken = {_GAIN} if any(effect.scales_torque for effect in own) else set[str]()
     taken |= {_OFFSET} if any(effect.name == SPRING for effect in own) else set()
     shifts = () if findings.unknown else findings.comparison.shifts
-    stay = [shift for shift in shifts if comes_again(findings.shift_shares, (shift.name, *shift.alike))]
+    stay = [shift for shift in shifts if comes_again(findings.shift_shares, _list_names(shift))]
     return {shift.name: shift for shift in stay if shift.name not in taken}
 
 
-def comes_again(shares: Mapping[str, float], names: Sequence[str]) -> bool:
+def _list_names(shift: Shift) -> set[str]:
+    """Names under which a shift may come again. That inertia or gravity is off is sure where parts of the recording
+    give it now this name, now that."""
+    return {shift.name, *shift.alike} | (set(BODY_SHIFTS) if shift.name in BODY_SHIFTS else set())
+
+
+def comes_again(shares: Mapping[str, float], names: Collection[str]) -> bool:
     """Whether a shift under any of its names comes again as often as a name must; where nobody asked, it does."""
     return not shares or sum(shares.get(name, 0.0) for name in names) >= NEEDS.share
 

@@ -59,6 +59,14 @@ def test_a_factor_is_common_as_far_as_what_moved_strays_by_a_part_of_its_size(in
     assert effect.name == name
 
 
+@pytest.mark.parametrize(("gravity", "name"), [(6.008, "inertia_error"), (6.1, "payload_error")])
+def test_a_gravity_that_is_off_by_a_trifle_makes_no_other_load_of_another_inertia(gravity: float, name: str) -> None:
+    """Of an inertia 18 % too large and a gravity off by 0.2 %, parts of a recording named now this, now that."""
+    given = RigidJoint(0.35, (1.0, gravity), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).shifts
+    assert effect.name == name
+
+
 def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_alias() -> None:
     given = RigidJoint(0.3 / 0.966, (1.0 / 0.966, 6.0 / 0.966 - 0.02), 0.0, 0.0, 0.0, True)
     (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED, _BRISK).shifts

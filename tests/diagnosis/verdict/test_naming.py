@@ -34,6 +34,20 @@ def test_inertia_and_gravity_alone_are_told_beside_effects_that_explain_as_much(
     assert [one.indistinguishable_from for one in named] == [(), ("torque_gain_error", "frictional_lag")]
 
 
+@pytest.mark.parametrize(
+    ("shares", "named"),
+    [
+        ({"inertia_error": 0.7, "payload_error": 0.3}, ["payload_error"]),
+        ({"torque_offset": 1.0}, []),
+        ({"inertia_error": 0.1}, []),
+    ],
+)
+def test_inertia_or_gravity_comes_again_under_any_name(shares: dict[str, float], named: list[str]) -> None:
+    """An inertia 18 % too large had no name, and nothing was missing, where parts named another one than the whole."""
+    findings = known_findings(known_baseline(), comparison=Comparison((_LOAD,)), shift_shares=shares)
+    assert [one.name for one in name_effects(findings, 0.0)] == named
+
+
 def test_nothing_is_named_of_parameters_that_something_unknown_biases() -> None:
     assert name_effects(known_findings(known_baseline(), unknown=True, comparison=Comparison((_LOAD,))), 0.0) == ()
 
