@@ -264,7 +264,8 @@ def _measure_bend(data: ConfirmedData, fit: ArmFit, less: ArmModel, term: tuple[
     compared with the curve that suits the joint without it.
     """
     joint, name = term
-    if TERMS[name].family != "speed" or fit.model.forms[joint].has_other_form(name):
+    form = fit.model.forms[joint]
+    if TERMS[name].family != "speed" or "stribeck" not in form.names or form.has_other_form(name):
         return None
     instead = suit_curve(data.rows, data.equations, fit, data.prior, less, joint)
     if instead is None:
