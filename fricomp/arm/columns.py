@@ -9,16 +9,6 @@ from fricomp.laws import FloatArray
 from .friction import ORDERS, TERMS, VISCOUS_EXPONENTS
 from .rows import ArmRows
 
-__all__ = [
-    "creep_columns",
-    "friction_columns",
-    "load_columns",
-    "plain_columns",
-    "ripple_columns",
-    "stribeck_columns",
-    "turn_bristle",
-]
-
 _LEAST_RATIO = 1e-9
 """Of a speed to the Stribeck velocity: a joint at rest has the whole excess."""
 

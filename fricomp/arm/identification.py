@@ -18,9 +18,7 @@ from fricomp.blas import one_blas_thread
 from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
-from .bandwidth import choose_rows, raise_cutoff
 from .coordinates import ArmModel
-from .delay_correction import move_torques, take_off_delay
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
 from .friction import GEARS
@@ -36,6 +34,8 @@ from .search.proposal import propose_models
 from .search.ripple import propose_ripples
 from .search.shared_delay import SharedDelay, share_delays
 from .search.stribeck import is_curve
+from .timing.bandwidth import choose_rows, raise_cutoff
+from .timing.delay_correction import move_torques, take_off_delay
 
 __all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "ArmSearch", "identify_arm", "identify_without"]
 

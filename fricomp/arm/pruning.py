@@ -20,8 +20,6 @@ from .rows import ArmRows
 from .search.early_torque import EarlyTorques
 from .search.stribeck import suit_curve
 
-__all__ = ["Pruning", "measure_size"]
-
 _MOST_GAIN = 3.5
 """Prior deviations by which a gain of all torques may be off: by more, it is the unit of the torques, or no gain."""
 

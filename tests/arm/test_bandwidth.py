@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from fricomp.arm import delay_correction
-from fricomp.arm.bandwidth import choose_rows, raise_cutoff
 from fricomp.arm.coordinates import ArmModel
 from fricomp.arm.equations import ArmEquations, build_equations
 from fricomp.arm.examination import match_recordings
@@ -18,6 +16,8 @@ from fricomp.arm.prior import ArmPrior
 from fricomp.arm.robust_fit import fit_robustly
 from fricomp.arm.rows import build_rows
 from fricomp.arm.search.shared_delay import SharedDelay, measure_delay
+from fricomp.arm.timing import delay_correction
+from fricomp.arm.timing.bandwidth import choose_rows, raise_cutoff
 
 from .moving_arm import record_arm, write_arm
 from .test_examination import follow_load

@@ -26,8 +26,6 @@ from ..identification import EVIDENCE, ArmIdentification
 from ..record import LoneLink
 from ..rigid.inertia import N_INERTIA
 
-__all__ = ["find_lone_link"]
-
 _TRUST = (1.0, 0.3, 0.1, 0.03, 0.01)
 """Prior deviations of the links, in that of the answer: down to a simulation that is right to some thousandths."""
 

@@ -14,15 +14,15 @@ import numpy as np
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-from .arm_recording import ArmRecording
-from .coordinates import ArmModel
-from .equations import ArmEquations, build_equations
-from .fit import ArmFit, fit_arm
-from .friction import GEARS, TERMS
-from .prior import ArmPrior
-from .rigid.simulated_arm import SimulatedArm
-from .robust_fit import fit_robustly
-from .rows import ArmRows, build_rows
+from ..arm_recording import ArmRecording
+from ..coordinates import ArmModel
+from ..equations import ArmEquations, build_equations
+from ..fit import ArmFit, fit_arm
+from ..friction import GEARS, TERMS
+from ..prior import ArmPrior
+from ..rigid.simulated_arm import SimulatedArm
+from ..robust_fit import fit_robustly
+from ..rows import ArmRows, build_rows
 
 _CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """[Hz] that are tried."""

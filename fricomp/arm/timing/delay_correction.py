@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from .arm_recording import ArmRecording
-from .coordinates import ArmModel
-from .equations import ArmEquations
-from .prior import ArmPrior
-from .rigid.simulated_arm import SimulatedArm
-from .robust_fit import fit_robustly
-from .rows import ArmRows
-from .search.early_torque import EarlyTorques
-from .search.shared_delay import SharedDelay, measure_delay, measure_seen
+from ..arm_recording import ArmRecording
+from ..coordinates import ArmModel
+from ..equations import ArmEquations
+from ..prior import ArmPrior
+from ..rigid.simulated_arm import SimulatedArm
+from ..robust_fit import fit_robustly
+from ..rows import ArmRows
+from ..search.early_torque import EarlyTorques
+from ..search.shared_delay import SharedDelay, measure_delay, measure_seen
 
 _ROUNDS = 6
 """Of the search for a delay."""

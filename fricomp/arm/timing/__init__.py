@@ -1,0 +1,1 @@
+"""How fast the signals of an arm may change, and by how much its torques are late."""
