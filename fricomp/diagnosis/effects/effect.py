@@ -170,6 +170,11 @@ class Effect(ABC):
         mismatch."""
         return []
 
+    def propose_shapes(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Propose values whose torque is a shape beside which the joint is estimated where the base is bent far; none
+        of an effect that bends no base so far that a fit from there goes astray."""
+        return []
+
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Propose many starts, of which simulation keeps the best; none where `propose_starts` is enough."""
         return []

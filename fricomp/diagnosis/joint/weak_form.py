@@ -78,25 +78,31 @@ def estimate_plants(
 
 def estimate_beside(
     tracks: Sequence[Track],
-    added: Sequence[FloatArray],
+    shapes: Sequence[Sequence[FloatArray]],
     *,
     width: float = JOINT.row_width,
     known: RigidJoint | None = None,
-) -> Plant:
-    """Estimate a plant beside a torque of a known shape, of whatever size.
+) -> tuple[int, float, Plant]:
+    """Estimate a plant beside the torque of a known shape, of whatever size, that suits it best.
 
     Args:
         tracks: Recordings of one joint.
-        added: That torque along each of them [N·m] or [N]. Each of shape (n,).
+        shapes: Torques that may be there, of whatever size, along each of them [N·m] or [N]. Each of shape (n,).
         width: Window of the test function [s].
         known: Inertia and gravity of a simulation, which decide where the rows do not.
+
+    Returns:
+        Which of them, its size, and the plant beside it.
 
     Raises:
         DiagnosisError: The joint hardly ever slides.
     """
     rest_speed = estimate_rest_speed(tracks, width)
-    rows = _gather_rows(tracks, added, width, rest_speed)
-    return _build_plant(*_fit_falls(rows, rest_speed, known), rows, hold=False)
+    rows = [_gather_rows(tracks, one, width, rest_speed) for one in shapes]
+    falls, _ = _fit_falls(rows[0]._replace(beside=rows[0].beside[:, :0]), rest_speed, known)
+    best = int(np.argmin([_compute_cost(falls, one, known) for one in rows]))
+    found = _fit_falls(rows[best], rest_speed, known)
+    return best, float(found[1][rows[best].free]), _build_plant(*found, rows[best], hold=False)
 
 
 def _gather_rows(tracks: Sequence[Track], beside: Sequence[FloatArray], width: float, rest_speed: float) -> WeakRows:

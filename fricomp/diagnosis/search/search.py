@@ -14,6 +14,7 @@ from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.race import Entry, Race
 from ..joint.solver import Fit
+from .beside_shapes import fit_beside_shapes
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
@@ -242,6 +243,8 @@ def _fit_singles(baseline: Baseline, first: Screen, ready: Sequence[Explanation]
     ):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups], lead)
         tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=lead))
+    if baseline.noise_ratio > SEARCH.bent_far:
+        tried += fit_beside_shapes(baseline)
     return sorted(tried, key=compute_preference, reverse=True)
 
 

@@ -206,6 +206,9 @@ class SearchSettings:
     is recorded: there its noise does not depend on a lag."""
     bent: float = 1.2
     """Residual over noise from which effects that screened badly are refitted as well, where little is covered."""
+    bent_far: float = 3.0
+    """Residual over noise from which the joint is estimated beside the shapes of effects, too. A lower one costs a fit
+    where the base is hardly bent."""
     most_covered: float = 0.85
     """Coverage from which an explanation covers most."""
     clearly_better: float = 5.0

@@ -33,7 +33,7 @@ def fit_straightened(baseline: Baseline, best: Explanation) -> list[Explanation]
     drawn_along = zip(drawn.compute_contributions(at), drawn.contexts, strict=True)
     added = [one.additive + np.zeros_like(context.velocity) for one, context in drawn_along]
     width = baseline.problem.observer.width
-    plant = estimate_beside(baseline.problem.tracks, added, width=width, known=baseline.rigid)
+    _, _, plant = estimate_beside(baseline.problem.tracks, [added], width=width, known=baseline.rigid)
     start = best.fit.theta[:N_BASE].copy()
     start[_FRICTION] = pack(plant)[_FRICTION]
     structure = best.settled_structure.move_to(best.structure.move_contexts(best.fit.theta))

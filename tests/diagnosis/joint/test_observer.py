@@ -110,12 +110,29 @@ def test_beside_a_drag_the_curves_are_those_of_the_joint(drag: float) -> None:
     track = track_of(joint, "rich", 60.0)
     curve = track.velocity * np.abs(track.velocity)
     dragged = replace(track, torque=track.torque + drag * curve)
-    found = estimate_beside([dragged], [7.0 * curve])
+    _, size, found = estimate_beside([dragged], [[7.0 * curve]])
+    assert size == pytest.approx(drag / 7.0, rel=0.1)
     assert found.forward[0] == pytest.approx(joint.forward[0], rel=0.1)
     assert found.forward[2] == pytest.approx(joint.forward[2], rel=0.2)
     assert found.forward[3] == pytest.approx(joint.forward[3], rel=0.1)
     alone, *_ = estimate_plants([dragged])
     assert abs(alone.forward[3] - joint.forward[3]) > 3.0 * abs(found.forward[3] - joint.forward[3])
+
+
+@pytest.mark.parametrize("stiffness", [40.0, 400.0])
+def test_beside_a_stop_gravity_is_that_of_the_joint(stiffness: float) -> None:
+    """Of several edges the right one leaves least; without it gravity and offset take the stop up, far too large."""
+    joint = ToyJoint()
+    track = track_of(joint, "rich", 60.0)
+    edges = np.quantile(track.position, [0.5, 0.6, 0.7, 0.8, 0.9])
+    shapes = [np.maximum(track.position - edge, 0.0) for edge in edges]
+    stopped = replace(track, torque=track.torque + stiffness * shapes[3])
+    best, size, found = estimate_beside([stopped], [[shape] for shape in shapes])
+    assert best == 3
+    assert size == pytest.approx(stiffness, rel=0.05)
+    assert np.hypot(*found.gravity) == pytest.approx(joint.gravity, rel=0.1)
+    alone, *_ = estimate_plants([stopped])
+    assert np.hypot(*alone.gravity) > 2.0 * joint.gravity
 
 
 def _move_one_way_at_one_speed(noise: float = 0.02) -> Track:

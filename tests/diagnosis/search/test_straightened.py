@@ -23,7 +23,7 @@ def test_only_curves_are_fitted_again_from_the_friction_beside_them(
     names: tuple[str, ...], fits: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tried: list[tuple[Structure, Any]] = []
-    monkeypatch.setattr(straightened, "estimate_beside", lambda *_, **__: _BESIDE)
+    monkeypatch.setattr(straightened, "estimate_beside", lambda *_, **__: (0, 1.0, _BESIDE))
 
     def keep(_: object, wanted: list[tuple[Structure, Any]], __: object) -> list[Any]:
         tried.extend(wanted)

@@ -39,6 +39,9 @@ class EndStop(Effect):
     met: ClassVar[float] = 0.01
     """Part of the range in which a fit begins with a stop at the other end as well: one that nothing meets gives it no
     slope, and would stay out."""
+    shapes: ClassVar[int] = 14
+    """Edges off either end beside which the joint is estimated where the base is bent far. Between fewer of them the
+    gravity takes over what one that is off leaves."""
     edge_step: ClassVar[float] = 0.02
     """Change of an edge that matters [rad] or [m]."""
     edge_strays: ClassVar[float] = 1.5e-4
@@ -80,10 +83,20 @@ class EndStop(Effect):
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return self._propose_edges(contexts, self.edges)
+
+    def propose_shapes(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        names = [p.name for p in self.list_parameters(contexts)]
+        close = np.linspace(0.0, self.widest, self.shapes + 1)[1:]
+        starts = self._propose_edges(contexts, [float(one) for one in close])
+        return [dict.fromkeys(names, 0.0) | start | {"stiffness": 1.0} for start in starts]
+
+    def _propose_edges(self, contexts: Sequence[Context], parts: Sequence[float]) -> list[dict[str, float]]:
+        """Edges at parts of the range off both ends, alone and with one at the other end."""
         low, high = _find_range(contexts)
         span = high - low
         starts = []
-        for f in self.edges:
+        for f in parts:
             far = (-f, self.met, f)  # at the other end: beyond the range, at its end, and where it is here
             starts += [{"edge": high - f * span, "side": 1.0, "travel": (1.0 - f - g) * span} for g in far]
             starts += [{"edge": low + f * span, "side": -1.0, "travel": (1.0 - f - g) * span} for g in far[:2]]
