@@ -56,7 +56,7 @@ CREEP = "creep"
 """Name of the term of friction that never holds: dry friction of simulators, solved softly. It is no physics of a
 joint, so that it has no name among the effects."""
 
-_STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3, 0.6)
+_STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
 """Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
 fits best."""
 

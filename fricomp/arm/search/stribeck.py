@@ -78,12 +78,10 @@ def refine_stribeck(
 
 
 def _hold_loose(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmFit:
-    """The fit in which curves stand still that are none where they may move, or would move further than their slopes
-    tell: with such slopes they are no curves either."""
-    model, steps = fit.model, _find_steps(equations, fit, range(len(fit.model.forms)))["stribeck"]
+    """The fit in which curves that are none where they may move stand still."""
+    model = fit.model
     for j, form in enumerate(model.forms):
-        far = bool(np.any(np.abs(steps[j]) >= _STEP))
-        model = hold_curve(model, j) if "stribeck" in form.names and (far or not is_curve(fit, j)) else model
+        model = hold_curve(model, j) if "stribeck" in form.names and not is_curve(fit, j) else model
     return fit if model == fit.model else fit_arm(fit.arm, equations, model, prior, fit)
 
 
