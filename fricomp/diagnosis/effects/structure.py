@@ -147,7 +147,7 @@ class Structure:
 
     def key_contributions(self, theta: FloatArray) -> bytes:
         """A key of all that the contributions at `theta` hang on."""
-        return bytes(theta[_OF_LOAD].tobytes() if self.follows_load else b"") + theta[N_BASE:].tobytes()
+        return (theta[_OF_LOAD].tobytes() if self.follows_load else b"") + theta[N_BASE:].tobytes()
 
     def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
         """Observed simulations at `theta`."""

@@ -34,7 +34,7 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = JOINT.row_width)
 
 class WeakRows(NamedTuple):
     """Rows of the weak form: shape (n,) each, `gravity` of shape (n, 3), or (n, 1) of a linear joint, with the offset;
-    `beside` of shape (n, 1), or (n, 0), what is looked for beside the plant."""
+    `beside` of shape (n, k) what is looked for beside the plant."""
 
     torque: FloatArray
     inertia: FloatArray
@@ -70,7 +70,7 @@ def estimate_plants(
     """
     rest_speed = estimate_rest_speed(tracks, width) if rest_speed is None else rest_speed
     positions = [track.position - track.position.mean() for track in tracks]
-    sprung = _gather_rows(tracks, positions, width, rest_speed)
+    sprung = _gather_rows(tracks, [(one,) for one in positions], width, rest_speed)
     falls, solution, chosen = _choose_beside(sprung, rest_speed, known)
     usual, level = (_build_plant(falls, solution, chosen, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
@@ -98,15 +98,19 @@ def estimate_beside(
         DiagnosisError: The joint hardly ever slides.
     """
     rest_speed = estimate_rest_speed(tracks, width)
-    rows = [_gather_rows(tracks, one, width, rest_speed) for one in shapes]
-    falls, _ = _fit_falls(rows[0]._replace(beside=rows[0].beside[:, :0]), rest_speed, known)
-    best = int(np.argmin([_compute_cost(falls, one, known) for one in rows]))
+    joined = _gather_rows(tracks, list(zip(*shapes, strict=True)), width, rest_speed)
+    rows, best = [joined._replace(beside=joined.beside[:, [k]]) for k in range(len(shapes))], 0
+    if len(rows) > 1:
+        falls, _ = _fit_falls(joined._replace(beside=joined.beside[:, :0]), rest_speed, known)
+        best = int(np.argmin([_compute_cost(falls, one, known) for one in rows]))
     found = _fit_falls(rows[best], rest_speed, known)
     return best, float(found[1][rows[best].free]), _build_plant(*found, rows[best], hold=False)
 
 
-def _gather_rows(tracks: Sequence[Track], beside: Sequence[FloatArray], width: float, rest_speed: float) -> WeakRows:
-    """Rows of all recordings, as many as are needed, beside the samples of one column along each of them.
+def _gather_rows(
+    tracks: Sequence[Track], beside: Sequence[Sequence[FloatArray]], width: float, rest_speed: float
+) -> WeakRows:
+    """Rows of all recordings, as many as are needed, beside the samples of some columns along each of them.
 
     Raises:
         DiagnosisError: There are too few.
@@ -182,7 +186,7 @@ def _measure_margin(track: Track, width: float) -> int:
     return _count_window(track, width) // 2 + max(3, round(0.021 / track.dt))
 
 
-def _build_rows(track: Track, width: float, rest_speed: float, beside: FloatArray) -> WeakRows:
+def _build_rows(track: Track, width: float, rest_speed: float, beside: Sequence[FloatArray]) -> WeakRows:
     length = _count_window(track, width)
     s = (np.arange(length) + 1.0) / (length + 1)
     phi = 0.5 - 0.5 * np.cos(2 * np.pi * s)
@@ -207,7 +211,7 @@ def _build_rows(track: Track, width: float, rest_speed: float, beside: FloatArra
         torque=average(track.torque, phi),
         inertia=average(q - q.mean(), curvature),
         gravity=np.stack([average(g, phi) for g in gravity], axis=1),
-        beside=average(beside, phi)[:, None],
+        beside=np.stack([average(one, phi) for one in beside], axis=1),
         velocity=average(track.velocity, phi),
         direction=np.sign(track.velocity[centres]),
     )

@@ -64,8 +64,8 @@ def _list_shifts(findings: Findings) -> dict[str, Shift]:
 
 
 def _list_names(shift: Shift) -> set[str]:
-    """Names under which a shift may come again. That inertia or gravity is off is sure where parts of the recording
-    give it now this name, now that."""
+    """Names under which a shift may come again: inertia and gravity are off whichever name a part of the recording
+    gives that."""
     return {shift.name, *shift.alike} | (set(BODY_SHIFTS) if shift.name in BODY_SHIFTS else set())
 
 
