@@ -46,6 +46,7 @@ UNITS = {
     "mrad": Unit(1e-3, "rad"),
     "deg": Unit(pi / 180, "rad"),
     "mdeg": Unit(pi / 180e3, "rad"),
+    "cdeg": Unit(pi / 180e2, "rad"),
     "turns": Unit(2 * pi, "rad"),
     "m": Unit(1.0, "m"),
     "mm": Unit(1e-3, "m"),

@@ -1,22 +1,24 @@
 """Units as the names of columns write them: in brackets, or behind the word of the quantity."""
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
+from fricomp.recording.quantity_word import TOKEN
 from fricomp.recording.unit import UNITS
 
 UNKNOWN_UNIT = "?"
 """Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
 
 _SPELLED = {
-    "deg": "deg degree degrees grad mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg"
+    "deg": "deg degree degrees grad mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg cdeg=cdeg cdegrees=cdeg"
     " mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
-    "turns": "turn turns rev revs revolution revolutions",
+    "turns": "turn turns rev revs revolution revolutions rot rots rotation rotations",
     "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
     "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
     " radians·per·second degrees·per·second=deg/s",
     "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин",
-    "turns/s": "turns/s turn/s rev/s rps hz",
+    "turns/s": "turns/s turn/s rev/s rot/s rps hz",
     "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s м/с мм/с=mm/s",
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
     "Nm": "nm n·m mnm=mNm mn·m=mNm nmm=mNm n·mm=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm н·м нм мн·м=mNm"
@@ -67,9 +69,12 @@ _ATOMS = frozenset(
         *("qc", "qcs", "pulse", "pulses", "count", "counts", "bit", "bits", "per", "thousand", "hundred", "mille"),
         *("permille", "permil", "promille", "percent", "rated", "nominal"),
         *("hz", "khz", "pu", "j", "c", "k", "pa", "bar", "inc", "lsb", "cnt", "cts", "digit", "digits", "u"),
+        *("click", "clicks", "native", "user", "unit", "units", "microsteps"),
     ]
 )
 """What units consist of: a text in brackets of nothing else is a unit, and no remark."""
+_LONGEST_SYMBOL = 5
+"""Letters of a symbol: what is shorter on both sides of a slash in brackets is a unit."""
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
@@ -86,6 +91,36 @@ _REGISTER = re.compile(r"0x[0-9A-Fa-f]+")
 """Address of a register, whose last letter is no unit: `0x606C`."""
 _BEHIND_IN = re.compile(r"\bin ([^\s,;]+)$")
 """A unit at the end of a name: `Winkel in Grad`."""
+_SYMBOLS = {
+    word: symbol
+    for symbol, words in {
+        "deg": "deg degs degree degrees",
+        "rad": "rad rads radian radians",
+        "rev": "rev revs revolution revolutions turn turns rot rots rotation rotations",
+        "s": "sec secs second seconds",
+        "min": "min mins minute minutes",
+        "n": "newton newtons",
+        "m": "meter meters metre metres",
+        "a": "amp amps ampere amperes",
+        "lb": "lb lbs lbf pound pounds",
+        "ft": "ft foot feet",
+        "in": "in inch inches",
+        "oz": "oz ozs ozf ounce ounces",
+        "g": "gram grams",
+    }.items()
+    for word in words.split()
+}
+"""Words in which a unit is spelled out, and the symbols that they are."""
+_SHORT = (
+    *("mdeg", "cdeg", "mrad", "rpm", "dps", "radps", "degps", "nm", "mnm", "nmm", "ncm", "cnm", "knm", "ma"),
+    *("mm", "cm", "kg", "kgf", "kgcm", "kgfcm", "ozin", "inlb", "inlbf", "ftlb", "ftlbf", "lbft", "lbin"),
+)
+"""Units in a few letters that mean nothing else as a word of their own: `speedRpm`."""
+_PREFIXES = {"milli": "m", "centi": "c", "micro": "u", "kilo": "k"}
+_AMBIGUOUS = frozenset(["in", "rot", "rotation", "min", "kg", "oz", "lb"])
+"""Words that alone are as often none: `current_in` is what goes in."""
+_LONGEST_PHRASE = 5
+"""Words of a unit: `milli newton meters per second`."""
 _INVERSE = re.compile(r"^(?:(rad|deg|mm|cm|m|rev|r|u)[\s·.*]?)?(s|min)(?:\^?-|⁻)([12¹²])$")
 """Units as powers: `min-1`, `rad s^-1`, `m·s⁻²`."""
 _AS_RATE = {"deg": "deg/s", "mm": "mm/s", "m": "m/s", "turns": "turns/s", "rad": "rad/s", "cm": "cm/s"}
@@ -128,8 +163,71 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
     if behind and behind.start() > begin and read_unit(behind.group(1)):
         return [UnitWord(read_unit(behind.group(1)), behind.span(), behind.group(1))]
     name = _REGISTER.sub(lambda number: " " * len(number.group()), name)
+    phrases = _find_phrases(name, begin)
     bare = [(match, _read_bare(match.group())) for match in _BARE.finditer(name) if match.start() > begin]
-    return [UnitWord(unit, match.span(), match.group()) for match, unit in bare if unit]
+    apart = [UnitWord(unit, match.span(), match.group()) for match, unit in bare if unit]
+    said = _take_longest([*apart, *phrases])
+    return [one._replace(unit=UNKNOWN_UNIT) if _STEP.search(_spaced(name[: one.span[0]])) else one for one in said]
+
+
+def _read_symbol(word: str) -> str:
+    """The symbol that a word of a unit is; empty where it is none."""
+    return word if word in _SHORT else _SYMBOLS.get(word, "")
+
+
+def _take_longest(said: Sequence[UnitWord]) -> list[UnitWord]:
+    """Of units that overlap the longer one, in their order."""
+    taken = list[UnitWord]()
+    for one in sorted(said, key=lambda one: one.span[0] - one.span[1]):
+        if not any(a < one.span[1] and one.span[0] < b for _, (a, b), _ in taken):
+            taken.append(one)
+    return sorted(taken, key=lambda one: one.span)
+
+
+def _spaced(name: str) -> str:
+    """A name with spaces for the marks between its words: the number in `pos_0.1deg` is one by itself."""
+    return name.replace("_", " ")
+
+
+def _find_phrases(name: str, begin: int) -> list[UnitWord]:
+    """The units that are words of their own or several: `posDeg`, `velocity_deg_per_sec`, `TorqueNewtonMeters`."""
+    words = [match for match in TOKEN.finditer(name) if match.start() > begin]
+    found, k = list[UnitWord](), 0
+    while k < len(words):
+        longest = range(min(_LONGEST_PHRASE, len(words) - k), 0, -1)
+        count = next((n for n in longest if _read_phrase(words[k : k + n])), 0)
+        if count:
+            span = words[k].start(), words[k + count - 1].end()
+            found.append(UnitWord(_read_phrase(words[k : k + count]), span, name[slice(*span)]))
+        k += count or 1
+    return found
+
+
+def _read_phrase(matches: Sequence[re.Match[str]]) -> str:
+    """Name of the unit that words following each other spell; empty where they spell none.
+
+    A time behind another unit divides it. A letter in front of a unit belongs to it where nothing stands between.
+    """
+    words = [match.group().lower() for match in matches]
+    if len(words) == 1 and words[0] in _AMBIGUOUS:
+        return ""
+    spelled, prefix, over = "", "", False
+    for k, word in enumerate(words):
+        joined = k + 1 < len(words) and matches[k].end() == matches[k + 1].start()
+        if word in _PREFIXES or (word == "m" and joined and words[k + 1] == "nm"):
+            prefix += _PREFIXES.get(word, word)
+        elif word in ("per", "p") and spelled and not over:
+            over = True
+        else:
+            short = word == "s" if spelled else word == "m" and words[k + 1 : k + 2] in (["s"], ["sec"], ["per"])
+            symbol = word if short else _read_symbol(word)
+            if not symbol or (symbol in ("s", "min") and not spelled):
+                return ""
+            mark = "" if not spelled else "/" if over or symbol in ("s", "min") else "·"
+            spelled, prefix, over = f"{spelled}{mark}{prefix}{symbol}", "", False
+    if prefix or over:
+        return ""
+    return _NAMES.get(spelled, UNKNOWN_UNIT if len(words) > 1 else "")
 
 
 def _read_bare(text: str) -> str:
@@ -167,8 +265,12 @@ def read_bracket(text: str) -> str:
         return ""
     if spelled in _NAMES:
         return _NAMES[spelled]
+    phrase = _read_phrase(list(TOKEN.finditer(text)))
+    if phrase and not re.search(r"\d", spelled):
+        return phrase
     atoms = [atom for atom in re.split(r"[·/^\d%‰:]+", spelled) if atom]
-    is_unit = all(atom in _ATOMS or atom in _NAMES for atom in atoms)
+    is_fraction = "/" in spelled and all(len(atom) <= _LONGEST_SYMBOL for atom in atoms)
+    is_unit = is_fraction or all(atom in _ATOMS or atom in _NAMES or _read_symbol(atom) for atom in atoms)
     return UNKNOWN_UNIT if is_unit and (atoms or re.search(r"[/%‰]", spelled)) else ""
 
 

@@ -10,6 +10,7 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words,
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
+_MEASURED |= {"mech": 0, "mechanical": 0}
 _MEASURED |= {"filtered": 0, "filt": 0, "active": 0, "in": 0, "ang": 0, "angular": 0, "dreh": 0}
 _MEASURED |= {"измеренный": 2, "измеренная": 2, "измеренное": 2, "фактический": 2, "факт": 2, "угловая": 0, "실제": 2}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
@@ -27,9 +28,26 @@ _SENSOR = ("sensor", "load", "transducer", "loadcell")
 _OUTSIDE = ("ext", "external", "contact")
 """Words of a torque that an observer believes to come from outside; it is none of the joint's."""
 
+_PARTS_OF_TORQUE = (
+    *("ff", "feedforward", "gravity", "friction", "coriolis", "inertial", "dist", "disturbance", "comp"),
+    *("compensation", "residual", "model"),
+)
+"""Words of a torque that is worked out, or a part of what the motor gives."""
+_OUTSIDE_OF = {
+    "torque": _PARTS_OF_TORQUE,
+    "current": ("bus", "dc", "battery", "batt", "supply", "input", "total"),
+    "position": ("elec", "electrical", "electric"),
+}
+"""Words of what is none of the joint's: parts of a torque, a current that goes into a drive, an angle within a pair of
+poles.
+"""
+_AXES = ("i", "current", "currents", "curr", "cur", "amps", "strom", "voltage", "volt", "spannung")
+"""Words beside which `q` and `d` are axes of the field."""
+
 _NO_CHANNEL = ("err", "error", "errors", "constant", "kt", "limit", "limits", "dimensions", "inertia")
 """Words of what is worked out from a channel, bounds it, or makes another one of it."""
 _SWITCHES = ("enable", "enabled", "mode", "status", "flag", "fault", "id")
+_OF_PATHS = (*_SWITCHES, "model")
 """Words of what switches a channel or says how it is; in front of a point or a slash they say whose it is."""
 
 _OBSERVATION = re.compile(r"^observation\.(?:\w+\.(?=.*\.(?:pos|vel|effort|torque|current|load)$))?")
@@ -111,7 +129,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     said = _find_units(name, words[at])
     quantity = _settle_quantity(quantity, said)
     roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, at, quantity, has_unit=bool(said)))}
-    roles |= {k: "number" for k, (word, span) in enumerate(words) if word in _SWITCHES and _stands_in_path(name, span)}
+    roles |= {k: "number" for k, (word, span) in enumerate(words) if word in _OF_PATHS and _stands_in_path(name, span)}
     rate = next((words[k][0] for k, role in roles.items() if role == "rate"), "")
     if rate:
         quantity = _RATES[rate][("position", "velocity").index(quantity)]
@@ -138,6 +156,7 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     if kind in ("", "voltage", "temperature") or _find_quantity(name, split_words(name)) is not None:
         return None
     words = [one for one in split_words(name) if not (one[1][0] < said[0].span[1] and said[0].span[0] < one[1][1])]
+    words = [one for one in words if one[0] not in _OF_PATHS or not _stands_in_path(name, one[1])]
     roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, -1, kind, has_unit=True))}
     is_rotary = UNITS[said[0].unit].si in _ROTARY
     said_of_it = [words[k] for k, role in roles.items() if not is_rotary and role in ("measured", "wanted")]  # i_meas
@@ -190,9 +209,9 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
         return "number"  # of the motor, as a bus calls it
     if _is_q_axis(k, words) or (word == "axis" and k and _is_q_axis(k - 1, words)):
         return "number"
-    if word == "q" and k == at + 1 and words[at][0] == "i":  # of i_q
-        return "number"
-    if word in (*_NO_CHANNEL, *_SWITCHES):
+    if _is_axis(k, words):
+        return "number" if word == "q" else "outside"
+    if _is_of_another(word, quantity) or (quantity == "current" and word == "in" and k == len(words) - 1):
         return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
         return "rate"
@@ -211,6 +230,17 @@ def _is_q_axis(k: int, words: list[tuple[str, tuple[int, int]]]) -> bool:
     """Whether a word begins `Q axis`, that of the current which makes the torque, beside another quantity."""
     is_said = words[k][0] == "q" and k + 1 < len(words) and words[k + 1][0] == "axis"
     return is_said and any(word in WORDS and word != "q" for word, _ in words)
+
+
+def _is_of_another(word: str, quantity: str) -> bool:
+    """Whether a word says that a column is no measured channel of the joint."""
+    return word in (*_NO_CHANNEL, *_SWITCHES, *_OUTSIDE_OF.get(quantity, ()))
+
+
+def _is_axis(k: int, words: list[tuple[str, tuple[int, int]]]) -> bool:
+    """Whether a word is `q` or `d` beside that of a current or a voltage: `current_q`, `motor.voltage.d`."""
+    beside = [words[j][0] for j in (k - 1, k + 1) if 0 <= j < len(words)]
+    return words[k][0] in ("q", "d") and any(word in _AXES for word in beside)
 
 
 def _stands_in_path(name: str, span: tuple[int, int]) -> bool:
@@ -237,7 +267,9 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
         return None
     if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name
         return next(k for k, (word, _) in enumerate(words) if word == "i"), "current"
-    known = [k for k, (word, _) in enumerate(words) if word in WORDS and not _is_q_axis(k, words)]
+    known = [
+        k for k, (word, _) in enumerate(words) if word in WORDS and not (_is_q_axis(k, words) or _is_axis(k, words))
+    ]
     if known:
         return known[-1], WORDS[words[known[-1]][0]]
     for short, quantity in ((_ENCODER, "position"), (_CURRENTS, "current")):
