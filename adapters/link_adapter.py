@@ -6,8 +6,8 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, final
 
-from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout
-from fricomp.joint import Clock, JointFeedback
+from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout, DriveFault
+from fricomp.joint import Clock, CommandMode, JointFeedback, Watchdog
 
 from .adapter import JointAdapter
 from .arrivals import Arrivals
@@ -46,6 +46,12 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         clock: Real time unless a simulation brings its own.
         parts: Messages that make up the state of one joint.
 
+    Attributes:
+        n_damaged: Messages that were damaged, or from nobody on the bus that is known.
+
+    Drivers keep in `_watchdog` what they read back of it, in `_mode_in_use` the mode that they have configured, and in
+    `_running` whether the drives have been energised to the end, so that one that is not is a fault.
+
     Raises:
         AdapterConfigurationError: A limit or a transmission is out of its domain.
     """
@@ -71,6 +77,9 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         self._reported = JointFeedback(len(joints))
         self._taken_ns = -1
         self._was_held_up = False
+        self._watchdog: Watchdog | None = None
+        self._mode_in_use: CommandMode = "torque"
+        self._running = False
         self.n_damaged = 0
 
     @classmethod
@@ -111,12 +120,27 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
             self._ask_state()
         return fresh
 
+    def _confirmed_watchdog(self) -> Watchdog | None:
+        return self._watchdog
+
+    @final
+    def _raise_on_fault(self) -> None:
+        """Refuse to go on with drives that have reported a fault.
+
+        Raises:
+            DriveFault: One has.
+        """
+        if any(self._reported.fault):
+            told = self.describe_faults(self._reported.fault)
+            raise DriveFault(f"drives report faults ({told}): {self._how_to_clear}")
+
     @final
     def _joint_names(self) -> Sequence[str]:
         return self._names
 
     @final
     def _connect(self) -> None:
+        self._watchdog, self._running = None, False
         self._link = self._open_link()
         self._pump()  # what an earlier owner of the bus left behind
 

@@ -64,12 +64,9 @@ class CanOpenAdapter(CanAdapter):
         self._configuration = configuration
         self._drives = [self._make_drive(joint.id) for joint in configuration.joints]
         self._routes = self._make_routes()
-        self._watchdog: Watchdog | None = None
-        self._mode_in_use: CommandMode = "torque"
         self._period = STEP
         self._configured = False  # to the end, and nothing has come between since
         self._known = False  # whether mode and period in use were ever configured to the end
-        self._running = False
         self._next_beat_ns = 0
 
     def _make_drive(self, node_id: int) -> CanOpenDrive:
@@ -145,7 +142,7 @@ class CanOpenAdapter(CanAdapter):
     # -- opening ------------------------------------------------------------------------------------------
 
     def _open(self) -> Capabilities:
-        self._watchdog, self._configured, self._known = None, False, False
+        self._configured = self._known = False
         self._routes = self._make_routes()
         for drive in self._drives:
             drive.max_torque_found = None
@@ -233,9 +230,6 @@ class CanOpenAdapter(CanAdapter):
 
     def _wait_for_answer(self, condition: Callable[[], bool]) -> None:
         self._wait(condition, self._configuration.response_timeout, "no such answer")
-
-    def _confirmed_watchdog(self) -> Watchdog | None:
-        return self._watchdog
 
     # -- moving -------------------------------------------------------------------------------------------
 

@@ -98,11 +98,8 @@ class DynamixelAdapter(ServoLine):
         self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
         self._stop_packets = stop_packets(self._servos)
         self._guard = max(1, round(configuration.watchdog / WATCHDOG_COUNT))
-        self._watchdog: Watchdog | None = None
-        self._mode_in_use: CommandMode = "torque"
         self._bounds = [0] * n_joints  # what the drive's own loop may draw, in counts of current
         self._most = [UNBOUNDED] * n_joints  # reported current beyond which the joints are stopped
-        self._running = False
         self._n_held_back = 0
 
     # -- receiving ------------------------------------------------------------------------------------------
@@ -136,7 +133,6 @@ class DynamixelAdapter(ServoLine):
         self._connect()
         # Until they are configured, the servos are asked for what can be read without writing anything.
         self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
-        self._running = False
         for turns in self._turns:
             turns.forget()
         joints = tuple(self._inspect(joint) for joint in range(len(self._servos)))
@@ -246,9 +242,6 @@ class DynamixelAdapter(ServoLine):
     def _arm_watchdog(self, servo: int) -> None:
         self._write_item(servo, BUS_WATCHDOG, 0)  # also forgets that it has fired
         self._ensure_item(servo, BUS_WATCHDOG, self._guard)
-
-    def _confirmed_watchdog(self) -> Watchdog | None:
-        return self._watchdog
 
     # -- moving -----------------------------------------------------------------------------------------------
 

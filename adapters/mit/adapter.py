@@ -4,7 +4,7 @@ import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose, isfinite
 
-from fricomp.errors import AdapterConfigurationError, AdapterError, DriveFault
+from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
@@ -63,8 +63,6 @@ class MitAdapter(CanAdapter):
         self._answers: list[dict[int, bytes]] = [{} for _ in self._motors]
         self._expected: list[int | None] = [None] * len(self._motors)
         self._seen = [False] * len(self._motors)
-        self._running = False
-        self._watchdog: Watchdog | None = None
         self.watchdog_faults = frozenset(motor.lost for motor in self._motors if motor.lost is not None)
 
     def _refuse_shared_answers(self, joints: Sequence[int]) -> None:
@@ -84,14 +82,13 @@ class MitAdapter(CanAdapter):
     # -- opening ------------------------------------------------------------------------------------------
 
     def _open(self) -> Capabilities:
-        self._watchdog = None
         self._connect()
         for joint in range(len(self._motors)):
             self._check_ranges(joint)
         self._refuse_held()  # before the first poll, which de-energises a motor that answers nothing but commands
         self._poll_all()
         joints = tuple(map(self._declare, range(len(self._motors))))
-        return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+        return Capabilities(joints, self._modes(), self._highest_rate(), None)
 
     def _find_energised(self) -> Sequence[bool | None]:
         """As the motors say; those that answer nothing but commands are listened to.
@@ -209,9 +206,6 @@ class MitAdapter(CanAdapter):
             confirmed = self._write_register(joint, register, counts) == counts and confirmed
         return Watchdog(wanted, confirmed) if all_have else None
 
-    def _confirmed_watchdog(self) -> Watchdog | None:
-        return self._watchdog
-
     # -- moving -------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
@@ -246,11 +240,6 @@ class MitAdapter(CanAdapter):
         self._raise_if_stopped()
         self._raise_on_fault()
         return all(self._seen) and all(flag is not False for flag in self._enabled_flags)
-
-    def _raise_on_fault(self) -> None:
-        if any(self._reported.fault):
-            told = self.describe_faults(self._reported.fault)
-            raise DriveFault(f"the motors report faults ({told}): {self._how_to_clear}")
 
     def _describe_fault(self, joint: int, code: int) -> str:
         return self._motors[joint].describe_fault(code)

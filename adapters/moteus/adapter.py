@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from fricomp.errors import AdapterConfigurationError, AdapterTimeout, DriveFault
+from fricomp.errors import AdapterConfigurationError, AdapterTimeout
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_fd_frame_time, serial_time
@@ -82,9 +82,6 @@ class MoteusAdapter(SerialAdapter):
         self._lines = LineBuffer()
         self._texts = [b""] * len(self._addresses)
         self._modes: list[int | None] = [None] * len(self._addresses)
-        self._watchdog: Watchdog | None = None
-        self._mode_in_use: CommandMode = "torque"
-        self._running = False
 
     # -- receiving ------------------------------------------------------------------------------------------
 
@@ -127,13 +124,12 @@ class MoteusAdapter(SerialAdapter):
     # -- opening and configuring ------------------------------------------------------------------------------
 
     def _open(self) -> Capabilities:
-        self._watchdog = None
         self._connect()
         self._send(b"\n" + self._query)  # the empty line ends whatever was cut short before us
         timeout = self._configuration.response_timeout
         self._wait(self._arrivals.take, timeout, f"not all of controllers {self._addresses} answered")
         joints = tuple(JointCapabilities(joint.name) for joint in self._configuration.joints)
-        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), self._watchdog)
+        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), None)
 
     def _find_energised(self) -> Sequence[bool | None]:
         self._poll_all()
@@ -195,9 +191,6 @@ class MoteusAdapter(SerialAdapter):
         self._wait(answered, self._configuration.response_timeout, complaint)
         return self._texts[joint].partition(b"\n")[0].decode("ascii", "replace").strip()
 
-    def _confirmed_watchdog(self) -> Watchdog | None:
-        return self._watchdog
-
     # -- moving -----------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
@@ -217,11 +210,6 @@ class MoteusAdapter(SerialAdapter):
             self.clock.sleep_until(self.clock.now_ns() + 1_000_000)
             self._pump()
         self._running = True
-
-    def _raise_on_fault(self) -> None:
-        if any(self._reported.fault):
-            told = self.describe_faults(self._reported.fault)
-            raise DriveFault(f"the controllers report faults ({told}): {self._how_to_clear}")
 
     def _describe_fault(self, joint: int, code: int) -> str:
         return describe_fault(code)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import tau
 
-from fricomp.errors import AdapterError, DriveFault
+from fricomp.errors import AdapterError
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
@@ -61,9 +61,6 @@ class OdriveAdapter(ParameterAdapter):
         ]
         self._heartbeats: list[Heartbeat | None] = [None] * len(self._nodes)
         self._awaited: set[int] = set()  # parts of the state that were asked for and have not come
-        self._watchdog: Watchdog | None = None
-        self._mode_in_use: CommandMode = "torque"
-        self._running = False
         self._slow_ns, self._fed_ns = -SLOW_PERIOD_NS, 0
         self._rest: list[CanFrame] = []
         self._routes = self._make_routes()
@@ -143,13 +140,12 @@ class OdriveAdapter(ParameterAdapter):
     # -- opening and configuring ------------------------------------------------------------------------------
 
     def _open(self) -> Capabilities:
-        self._watchdog = None
         self._heartbeats = [None] * len(self._nodes)
         self._connect()
         self._check_version()
         self._poll_all()
         joints = tuple(map(self._declare, range(len(self._nodes))))
-        return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+        return Capabilities(joints, self._modes(), self._highest_rate(), None)
 
     def _find_energised(self) -> Sequence[bool | None]:
         self._await_heartbeats()
@@ -193,9 +189,6 @@ class OdriveAdapter(ParameterAdapter):
         self._watchdog = Watchdog(self._configuration.watchdog, confirmed) if self._endpoints else None
         self._await_heartbeats()
 
-    def _confirmed_watchdog(self) -> Watchdog | None:
-        return self._watchdog
-
     def _await_heartbeats(self) -> None:
         self._pump()  # those that lie here are from before
         self._heartbeats = [None] * len(self._nodes)
@@ -238,11 +231,6 @@ class OdriveAdapter(ParameterAdapter):
         mode = self._mode_in_use
         position = self._reported.position[joint] if mode == "position" else 0.0
         return input_frame(self._nodes[joint], mode, 0.0, 0.0, position)
-
-    def _raise_on_fault(self) -> None:
-        if any(self._reported.fault):
-            told = self.describe_faults(self._reported.fault)
-            raise DriveFault(f"the axes report errors ({told}): {self._how_to_clear}")
 
     def _describe_fault(self, joint: int, code: int) -> str:
         return describe_fault(code, self._configuration.minor)
