@@ -132,7 +132,7 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         """
         if any(self._reported.fault):
             told = self.describe_faults(self._reported.fault)
-            raise DriveFault(f"drives report faults ({told}): {self._how_to_clear}")
+            raise DriveFault(f"the drives report faults ({told}): {self._how_to_clear}")
 
     @final
     def _joint_names(self) -> Sequence[str]:

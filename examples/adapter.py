@@ -16,7 +16,7 @@ from fricomp.adapters import SerialAdapter
 from fricomp.adapters.bus_budget import BusBudget, serial_time
 from fricomp.adapters.configuration import JointConfiguration, SerialAdapterConfiguration
 from fricomp.adapters.link import SerialLink
-from fricomp.errors import AdapterConfigurationError, AdapterError, DriveFault
+from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 # -- The protocol, to be replaced by that of your drive: every request is answered with the drive's state ------------
@@ -80,7 +80,6 @@ class PlainAdapter(SerialAdapter):
         self._answered: list[int | None] = [None] * len(self._addresses)  # the operation that each answered last
         self._energised = [False] * len(self._addresses)
         self._watchdogs = [0] * len(self._addresses)  # as read back [ms]
-        self._running = False
 
     def _on_bytes(self, data: bytes) -> None:
         self._buffer += data  # frames come in any pieces
@@ -124,9 +123,7 @@ class PlainAdapter(SerialAdapter):
         self._ask(Operation.WATCHDOG, wanted)
         if any(found != wanted for found in self._watchdogs):
             raise AdapterConfigurationError(f"watchdogs of {wanted} ms were read back as {self._watchdogs} ms")
-
-    def _confirmed_watchdog(self) -> Watchdog:
-        return Watchdog(1e-3 * self._watchdogs[0], confirmed=True)
+        self._watchdog = Watchdog(1e-3 * self._watchdogs[0], confirmed=True)
 
     def _enable(self) -> None:
         self._set_watchdog()  # once more: a drive that was power cycled has forgotten it
@@ -156,10 +153,6 @@ class PlainAdapter(SerialAdapter):
 
     def _describe_fault(self, joint: int, code: int) -> str:
         return FAULT_WORDS.get(code, "")
-
-    def _raise_on_fault(self) -> None:
-        if told := self.describe_faults(self._reported.fault):
-            raise DriveFault(f"the drives report faults ({told}): {self._how_to_clear}")
 
     def _request(self, operation: Operation, values: Sequence[int]) -> None:
         requests = zip(self._addresses, values, strict=True)

@@ -8,7 +8,8 @@ import typer
 app = typer.Typer(add_completion=False)
 
 TAKE_OVER = typer.Option(
-    "--take-over", help="Stop a drive that somebody else has energised: zero torque, then limp. It is refused else."
+    "--take-over",
+    help="Stop a drive that somebody else has energised: zero torque, then limp. Without it, such a drive is refused.",
 )
 
 MARKS = {True: ("ok", "green"), False: ("failed", "red"), None: ("open", "yellow")}
@@ -31,9 +32,9 @@ def check(
 ) -> None:
     """Open a drive, read what it says, energise it at zero torque, push it gently both ways, and stop it.
 
-    A drive that somebody else has energised is asked only, and refused. The gate itself is cut down to the share, so
-    that nothing above it can be commanded. What the drive latches while its watchdog is tried is cleared. Exit status 1
-    if a step fails.
+    A drive that somebody else has energised is refused; nothing is written to it. The gate itself is cut down to
+    the share, so that nothing above it can be commanded. What the drive latches while its watchdog is tried is
+    cleared. Exit status 1 if a step fails.
     """
     from contextlib import closing
     from dataclasses import asdict
@@ -86,7 +87,7 @@ def clear(
 ) -> None:
     """Clear what the drives have latched, once its cause is gone. Energises nothing; a fault that stays is named.
 
-    A drive that somebody else has energised is asked only, and refused.
+    A drive that somebody else has energised is refused; nothing is written to it.
     """
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration

@@ -9,7 +9,7 @@ import typer
 
 from fricomp.cli.calibration.resume import flags
 from fricomp.cli.option.motion_log import LogFile, claim_log
-from fricomp.cli.option.page import Live, OpenPage
+from fricomp.cli.option.page import Live, OpenPages
 from fricomp.cli.option.panel import option_under
 from fricomp.cli.settings_file import use_settings, write_settings
 from fricomp.errors import ParameterError
@@ -32,9 +32,7 @@ _EXCITED = 60.0
 """How long --excite moves an arm by default [s]."""
 
 
-_EXAMPLES = """[bold]Examples[/bold]
-
-fricomp calibrate --backend sim --out runs/demo
+_EXAMPLES = """fricomp calibrate --backend sim --out runs/demo
 
 fricomp calibrate --backend sim --model two_link_arm --joint shoulder --out runs/shoulder
 
@@ -157,16 +155,16 @@ def calibrate(
         bool, run_option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
     ] = False,
     overwrite: Annotated[bool, run_option("--overwrite", help="Replace the run that --out holds already.")] = False,
-    resume: Annotated[bool, run_option("--resume", help="Go on with the run in --out, as it was asked for.")] = False,
+    resume: Annotated[bool, run_option("--resume", help="Continue the run in --out with its own options.")] = False,
     log: LogFile = None,
     live: Live = False,
-    open_report: OpenPage = False,
+    open_report: OpenPages = False,
 ) -> None:
     """Sweep a joint, identify its friction, and write model, network and report.
 
     The joint first moves by a hair at low torque, to see that signs and scales are right. Ctrl-C stops it at zero
-    torque at any time; what was recorded stays, and --resume goes on: --method, --noise and --normal-load may then be
-    given anew.
+    torque at any time; what was recorded stays, and --resume continues it: --method, --noise and --normal-load
+    may then be given anew.
     """
     from fricomp.api.calibrate import adapter_configuration
     from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings

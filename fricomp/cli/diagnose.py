@@ -39,9 +39,7 @@ diagnosis_option = option_under("Diagnosis")
 EXIT_BAD_DATA = 1
 """Exit status where everything was written, and the verdict is that the data cannot be diagnosed."""
 
-_EXAMPLES = """[bold]Examples[/bold]
-
-fricomp diagnose elbow.csv --simulation robot.xml --joint elbow --out runs/why
+_EXAMPLES = """fricomp diagnose elbow.csv --simulation robot.xml --joint elbow --out runs/why
 
 fricomp diagnose light.csv heavy.csv --out runs/payloads
 

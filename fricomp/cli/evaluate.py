@@ -7,9 +7,7 @@ import typer
 
 app = typer.Typer(add_completion=False)
 
-_EXAMPLES = """[bold]Examples[/bold]
-
-fricomp evaluate runs/why elbow.csv --from 40
+_EXAMPLES = """fricomp evaluate runs/why elbow.csv --from 40
 
 fricomp evaluate friction.json elbow.csv --simulation robot.xml --joint elbow
 

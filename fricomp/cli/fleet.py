@@ -20,7 +20,7 @@ __all__ = ["Executor", "FailIf", "FleetRun", "Resume", "Workers", "rich_table", 
 
 Executor = Annotated[str, fleet_option(help="Where a fleet runs: processes, serial or dask://host:port.")]
 Workers = Annotated[int | None, fleet_option(min=1, help="Number of processes for a fleet; one a core by default.")]
-Resume = Annotated[bool, fleet_option("--resume", help="Go on with the fleet in --out.")]
+Resume = Annotated[bool, fleet_option("--resume", help="Continue the fleet in --out.")]
 FailIf = Annotated[
     Literal["any", "missing", "unusable"] | None,
     fleet_option(

@@ -1,4 +1,7 @@
-"""Options in `--help`: beside their descriptions, or above them where a terminal is narrow; names are never cut."""
+"""Options in `--help`: beside their descriptions, or above them where a terminal is narrow; names are never cut.
+
+A flag has no type behind its name: `--quiet <bool>` reads as if a value had to be given.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,12 +16,19 @@ from typer import rich_utils
 _LEAST = 24
 """Columns that a description needs beside its option: some three words."""
 
+_FLAG = "<bool>"
+"""What typer shows as the type of a flag."""
+
 _INDENT = 4
 """By how much a description stands in below its option [columns]."""
 
 
 class HelpTable(Table):
     """Typer's table of options, which rich would narrow by cutting the longest words of every column."""
+
+    def add_row(self, *cells: RenderableType | None, **settings: Any) -> None:
+        """A row, without the type of a flag."""
+        super().add_row(*(None if _as_text(cell or "").plain == _FLAG else cell for cell in cells), **settings)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         *names, _ = self.columns

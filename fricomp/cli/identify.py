@@ -71,7 +71,7 @@ def identify(
         str,
         friction_option(
             help="stribeck, free_stribeck (its exponent too), symmetric_stribeck, coulomb, coulomb_viscous, "
-            "asymmetric_coulomb_viscous, tanh or arctan; for tables also auto. As it is, stribeck; of a table that "
+            "asymmetric_coulomb_viscous, tanh or arctan; for tables also auto. By default stribeck; for a table that "
             "asks for another exponent free_stribeck, of a recording that does not determine it symmetric_stribeck, "
             "asymmetric_coulomb_viscous or coulomb_viscous.",
             show_default=False,
@@ -81,7 +81,7 @@ def identify(
         bool | None,
         recording_option(
             "--gravity/--no-gravity",
-            help="Whether gravity acts on the joint and is fitted; as it is, where the torque shows it.",
+            help="Whether gravity acts on the joint and is fitted; by default, where the torque shows it.",
             show_default=False,
         ),
     ] = None,

@@ -8,6 +8,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from fricomp.cli.help_table import whole_names
 from fricomp.cli.output import with_output_options
 
 __all__ = ["LazyGroup", "lazy_app"]
@@ -23,6 +24,11 @@ class LazyGroup(TyperGroup):
 
     package: str = ""
     default: str = ""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Help as of any other command."""
+        with whole_names():
+            super().format_help(ctx, formatter)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Options without a command go to the default one, where there is one."""

@@ -52,7 +52,8 @@ def with_output_options(command: Any) -> Any:
     """A command, or each of a group, with `--json` and `--quiet`; given once, however often it is asked for."""
     for each in getattr(command, "commands", {}).values():
         with_output_options(each)
-    command.help, command.epilog = _join_lines(command.help), _join_lines(command.epilog)
+    command.help, command.epilog = _join_lines(command.help), _head_examples(_join_lines(command.epilog))
+    command.format_help = _whole(command.format_help)
     if hasattr(command, "commands") or any(one.name == "quiet" for one in command.params):
         return command
     # Before --help, which stands last where it is listed.
@@ -60,7 +61,6 @@ def with_output_options(command: Any) -> Any:
     for one in command.params:
         one.help = _keep_brackets(one.help)
     command.callback = _answering(command.callback)
-    command.format_help = _whole(command.format_help)
     return command
 
 
@@ -74,6 +74,11 @@ def _join_lines(text: str | None) -> str | None:
     if text is None:
         return None
     return "\n\n".join(" ".join(one.splitlines()) for one in inspect.cleandoc(text).split("\n\n"))
+
+
+def _head_examples(epilog: str | None) -> str | None:
+    """The end of a help with a heading above its examples."""
+    return f"[bold]Examples[/bold]\n\n{epilog}" if epilog and epilog.startswith("fricomp ") else epilog
 
 
 def _whole(format_help: Callable[..., None]) -> Callable[..., None]:
@@ -95,7 +100,7 @@ def _make_options() -> list[Any]:
     @app.command()
     def options(
         json: bool = output_option(False, "--json", help="Print the answer as JSON, and nothing else on stdout."),
-        quiet: bool = output_option(False, "--quiet", "-q", help="Print errors alone, and JSON where it is asked for."),
+        quiet: bool = output_option(False, "--quiet", "-q", help="Print errors only; with --json, also the JSON."),
     ) -> None:
         pass
 

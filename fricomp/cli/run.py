@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fricomp.cli.option.motion_log import LogFile
-from fricomp.cli.option.page import Live, OpenPage
+from fricomp.cli.option.page import Live, OpenPages
 from fricomp.cli.option.panel import Overwrite, option_under, output_option
 from fricomp.cli.output import say_interrupted
 
@@ -73,7 +73,7 @@ def run(
     overwrite: Overwrite = False,
     log: LogFile = None,
     live: Live = False,
-    open_report: OpenPage = False,
+    open_report: OpenPages = False,
 ) -> None:
     """Follow a sine twice, without and with compensation, and show the difference.
 

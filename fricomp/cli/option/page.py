@@ -13,13 +13,16 @@ from fricomp.cli.option.panel import output_option
 if TYPE_CHECKING:
     from fricomp.live.feed import LiveFeed
 
-OpenPage = Annotated[bool, output_option("--open", help="Open the report in the browser, and a live page.")]
+OpenPage = Annotated[bool, output_option("--open", help="Open the page that is written in the browser.")]
 """The option; its default is False."""
+OpenPages = Annotated[bool, output_option("--open", help="Open the report in the browser, and the page of --live.")]
+"""The option of commands with `--live`; its default is False."""
 Live = Annotated[
     bool,
     output_option(
         "--live",
-        help="Watch the joint, and stop it, on a page of this machine alone; a simulated one moves in real time then.",
+        help="Watch the joint on a page in the browser of this machine, with a button that stops it; a simulated joint "
+        "then moves in real time.",
     ),
 ]
 """The option; its default is False."""

@@ -16,5 +16,5 @@ log_option = option_under("Of a log")
 arm_option = option_under("Of an arm")
 fleet_option = option_under("Of a fleet")
 
-Overwrite = Annotated[bool, output_option("--overwrite", help="Replace the results of the kind that --out holds.")]
-"""The option of commands with `--out`; its default is False."""
+Overwrite = Annotated[bool, output_option("--overwrite", help="Replace earlier results of this kind.")]
+"""The option of commands that write files; its default is False."""

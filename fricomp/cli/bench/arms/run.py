@@ -22,7 +22,7 @@ def run(
     scored: Annotated[bool, typer.Option("--scored", help="Seeds from a number drawn as the run begins.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no arm after this; --resume goes on.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue the run in OUT.")] = False,
     executor: ExecutorOption = "processes",
     workers: WorkersOption = None,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/arms-proof.md.")] = None,

@@ -38,7 +38,9 @@ def run(
     injected: Annotated[bool, typer.Option("--injected", help="Effects in real recordings; needs the data.")] = False,
     cases: Annotated[int | None, typer.Option(min=1, help=f"Number of cases; {_FULL} by default.")] = None,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this; --resume goes on.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT, else beside PAGE.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue the run in OUT, or without one there, beside PAGE.")
+    ] = False,
     scored: Annotated[bool, typer.Option("--scored", help="Seeds from a number drawn as the run begins.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     executor: ExecutorOption = "processes",
