@@ -5,7 +5,7 @@ from .discrepancy import DiscrepancyNetwork, fit_discrepancy
 from .dynamic import DynamicIdentification, identify_dynamic
 from .files import ModelFiles, save_discrepancy, save_identification
 from .identify import identify
-from .inference.uncertainty import BootstrapSample, Interval, block_bootstrap, profile_interval, profile_likelihood
+from .inference.uncertainty import BootstrapSample, Interval, block_bootstrap, profile_interval
 from .options import IdentificationOptions
 from .result import IdentificationResult, NoiseEstimate
 from .selection import LawChoice, choose_law
@@ -31,7 +31,6 @@ __all__ = [
     "identify_dynamic",
     "plan_informative_speeds",
     "profile_interval",
-    "profile_likelihood",
     "save_discrepancy",
     "save_identification",
 ]

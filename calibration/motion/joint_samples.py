@@ -7,7 +7,7 @@ filter cancels; position is differentiated after a zero-phase low-pass.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
@@ -198,13 +198,6 @@ class JointSamples:
     def top_speed(self) -> float:
         """[rad/s] or [m/s]."""
         return float(np.max(np.abs(self.velocity), initial=0.0))
-
-    def between(self, begin: float, end: float) -> JointSamples:
-        """The part from `begin` to `end`, as fractions of the whole."""
-        n = len(self.torque)
-        part = slice(round(begin * n), round(end * n))
-        columns = {name: values[part] for name, values in vars(self).items() if name != "recorded"}
-        return JointSamples(**columns, recorded=replace(self.recorded, index=self.recorded.index[part]))
 
 
 def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> JointSamples:

@@ -81,13 +81,11 @@ class Estimate:
 
     Attributes:
         result: With the whole covariance.
-        statistical: Standard deviation of each parameter from the scatter of the points alone.
         deviation: Standard deviation that each point was given [N·m] or [N]. Shape (n_points,).
         used: The points, plateaus first, then static torques.
     """
 
     result: IdentificationResult
-    statistical: dict[str, float]
     deviation: FloatArray
     used: tuple[FrictionPoint, ...]
 
@@ -134,10 +132,9 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
             measurements=len(used) // 2 if both_alike else None,
         ),
     )
-    statistical = result.standard_deviations
     changes = [_sensitivity(result, shift) for shift in _shared_shifts(result, analysis, used)]
     result = with_covariance(result, result.covariance + sum(np.outer(change, change) for change in changes))
-    return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+    return Estimate(_with_notes(result, analysis), deviation, used)
 
 
 def _shared_shifts(

@@ -53,7 +53,6 @@ class Joint:
         gear_ratio: Motor turns for one joint turn.
         speed: Largest speed of a motion [rad/s].
         noise: Standard deviation of the torque noise [N·m].
-        bits: Bits of the encoder for one turn.
         fields: Fields of the plant.
         shares: Maxwell elements, shape (2, ELEMENTS).
     """
@@ -63,7 +62,6 @@ class Joint:
     gear_ratio: float
     speed: float
     noise: float
-    bits: int
     fields: dict[str, float]
     shares: NDArray[np.float64]
 
@@ -94,7 +92,7 @@ def draw_joint(rng: np.random.Generator, family: str | None = None, core: str | 
     }
     noise = coulomb * rng.uniform(0.006, 0.02)
     gear = float(rng.choice(ranges.gear))
-    return Joint(family, core, gear, speed, noise, bits, fields, _draw_shares(rng))
+    return Joint(family, core, gear, speed, noise, fields, _draw_shares(rng))
 
 
 def _draw_log_uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float:

@@ -17,7 +17,6 @@ from typing import Any
 from fricomp.laws import (
     DynamicTerm,
     FrictionLaw,
-    OperatingPoint,
     Parts,
     TracedPoint,
     TracedStep,
@@ -53,12 +52,6 @@ class Contact:
         self.load_torque = 0.0
         self.normal_load: float | None = None
         self.temperature: float | None = None
-
-    def point(self, velocity: float) -> OperatingPoint:
-        """The operating point that a friction term takes."""
-        return OperatingPoint(
-            velocity, self.position, self.acceleration, self.load_torque, self.normal_load, self.temperature
-        )
 
 
 class JointFriction:

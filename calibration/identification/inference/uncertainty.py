@@ -1,4 +1,4 @@
-"""Uncertainty where the covariance is not enough: profile likelihood and block bootstrap."""
+"""Uncertainty where the covariance is not enough: intervals by profile likelihood, and block bootstrap."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -15,7 +15,7 @@ from ..estimation.observation import Observations
 from ..estimation.optimum import Optimum, bounded, minimise_squares, refine
 from .verdict import covariance_of
 
-__all__ = ["BENT", "BootstrapSample", "Interval", "block_bootstrap", "profile_interval", "profile_likelihood"]
+__all__ = ["BENT", "BootstrapSample", "Interval", "block_bootstrap", "profile_interval"]
 
 BENT = ("coulomb_torque", "static_torque", "velocity", "exponent")
 """Ends of the names of parameters of a curve that bends, whose likelihood need not be quadratic."""
@@ -100,21 +100,6 @@ class BootstrapSample:
         column = self.parameters[:, self.names.index(name)]
         lower, upper = np.quantile(column, [0.5 - level / 2.0, 0.5 + level / 2.0])
         return Interval(float(lower), float(upper))
-
-
-def profile_likelihood(result: Identified, name: str, values: FloatArray) -> FloatArray:
-    """Negative log-likelihood above its minimum, all other parameters at their best.
-
-    Args:
-        result: An identification.
-        name: The parameter to hold.
-        values: Where to hold it, in its own unit. Shape (n,).
-
-    Raises:
-        IdentificationError: The law has no such parameter.
-    """
-    index = _index(result, name)
-    return np.array([_held(result, index, float(np.log(value))) for value in values])
 
 
 def profile_interval(result: Identified, name: str, level: float = 0.95) -> Interval:

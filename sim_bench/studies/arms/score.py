@@ -43,8 +43,6 @@ class ArmScore:
         seed: That made it.
         truth: What is concealed.
         named: What was said.
-        links_off: Links that are far off the simulation.
-        links_said: Links that were said to be.
         links: Numbers of links that the motion determines.
         friction: Coulomb and viscous friction of joints without an effect.
         errors: Held-out errors of each joint: of the simulation, and of the model.
@@ -57,8 +55,6 @@ class ArmScore:
     seed: int
     truth: tuple[TrueEffect, ...]
     named: tuple[NamedEffect, ...]
-    links_off: tuple[str, ...]
-    links_said: tuple[str, ...]
     links: tuple[KnownInterval, ...]
     friction: tuple[KnownInterval, ...]
     errors: Mapping[str, tuple[float, float]]
@@ -109,8 +105,6 @@ def score_arm(answer: bytes, blind: BlindAnswer) -> ArmScore:
         seed=true["spec"]["seed"],
         truth=effects,
         named=named,
-        links_off=tuple(true["links_off"]),
-        links_said=tuple(link["name"] for link in said["links"] if link["state"] == "off"),
         links=tuple(each for link in said["links"] for each in _compare_link(link, true["links"][link["name"]])),
         friction=tuple(
             each

@@ -68,7 +68,7 @@ def run_adam(draw: Draw, starts: FloatArray, steps: int) -> list[Comparison]:
     values = _copy_values(parameters.detach().numpy())
     likelihood = build_population_likelihood(draw)(values)
     return [
-        Comparison("Adam", values[k], float(likelihood[k]), seconds, np.array(losses)[:, k], np.array(course)[:, k])
+        Comparison(values[k], float(likelihood[k]), seconds, np.array(losses)[:, k], np.array(course)[:, k])
         for k in range(len(starts))
     ]
 

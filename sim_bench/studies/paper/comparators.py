@@ -17,7 +17,6 @@ class Comparison:
     """What one method gave on one draw.
 
     Attributes:
-        method: Its name.
         values: Parameters in the paper's order. Shape (8,).
         negative_log_likelihood: Under the draw's own noise reading.
         seconds: Wall-clock time.
@@ -25,7 +24,6 @@ class Comparison:
         course: Best parameters at those iterations. Shape (n, 8).
     """
 
-    method: str
     values: FloatArray
     negative_log_likelihood: float
     seconds: float
@@ -87,7 +85,7 @@ def run_cma(draw: Draw, evaluations: int, seed: int) -> Comparison:
                 fitness.append((used, best_value))
                 course.append(best)
         population *= 2
-    return _build_comparison("CMA-ES", draw, best, begun, (fitness, course))
+    return _build_comparison(draw, best, begun, (fitness, course))
 
 
 def run_robust_nls(draw: Draw, seed: int) -> Comparison:
@@ -105,14 +103,14 @@ def run_robust_nls(draw: Draw, seed: int) -> Comparison:
     fit = least_squares(
         residual, start, bounds=(np.full(8, 1e-9), UPPER_BOUNDS), loss="soft_l1", x_scale=UPPER_BOUNDS.tolist()
     )
-    return _build_comparison("robust NLS", draw, fit.x, begun, ([], []))
+    return _build_comparison(draw, fit.x, begun, ([], []))
 
 
 def _build_comparison(
-    method: str, draw: Draw, values: FloatArray, begun: float, course: tuple[list[tuple[int, float]], list[FloatArray]]
+    draw: Draw, values: FloatArray, begun: float, course: tuple[list[tuple[int, float]], list[FloatArray]]
 ) -> Comparison:
     seconds = time.perf_counter() - begun
     likelihood = float(build_population_likelihood(draw)(values[None])[0])
     return Comparison(
-        method, values, likelihood, seconds, np.array(course[0]).reshape(-1, 2), np.array(course[1]).reshape(-1, 8)
+        values, likelihood, seconds, np.array(course[0]).reshape(-1, 2), np.array(course[1]).reshape(-1, 8)
     )

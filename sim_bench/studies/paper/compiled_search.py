@@ -41,7 +41,7 @@ def run_compiled(method: str, draw: Draw, iterations: int, seed: int) -> Compari
     best, fitness, course = search(*data, UPPER_BOUNDS, iterations, seed)
     seconds = time.perf_counter() - begun
     likelihood = float(build_population_likelihood(draw)(best[None])[0])
-    return Comparison(method, best, likelihood, seconds, fitness, course)
+    return Comparison(best, likelihood, seconds, fitness, course)
 
 
 @njit(cache=True)

@@ -50,11 +50,6 @@ class SealBook:
             os.fsync(file.fileno())
         return digest
 
-    @property
-    def cases(self) -> frozenset[str]:
-        """All cases that are sealed."""
-        return frozenset(self._digests)
-
     def matches(self, case: str, answer: bytes) -> bool:
         """Whether an answer is the one that was sealed."""
         return self._digests.get(case) == hashlib.sha256(answer).hexdigest()

@@ -62,18 +62,12 @@ class TrackingFigures:
         reversal_rms: The same within 0.3 s after each reversal [rad].
         time: [s].
         error: Reference minus true position [rad].
-        reference: Position reference [rad].
-        torque: Commanded torque [N·m].
-        settings: What the compensation did, in words.
     """
 
     rms: float
     reversal_rms: float
     time: FloatArray
     error: FloatArray
-    reference: FloatArray
-    torque: FloatArray
-    settings: str
 
 
 @dataclass
@@ -98,24 +92,22 @@ class Witness:
 
 def run_case(case: TrackingCase) -> TrackingFigures:
     """Run `case` for two cycles of the sine; the first half cycle is left out of the figures."""
-    witness, loop, compensator = _prepare(case)
+    witness, loop = _prepare(case)
     result = loop.run(_CYCLES / case.frequency)
     result.raise_if_tripped()
-    said = compensator.describe() if compensator is not None else "no compensation"
-    return compute_figures(result.log, witness.position, case.frequency, said)
+    return compute_figures(result.log, witness.position, case.frequency)
 
 
-def compute_figures(log: LoopLog, position: Sequence[float], frequency: float, settings: str) -> TrackingFigures:
+def compute_figures(log: LoopLog, position: Sequence[float], frequency: float) -> TrackingFigures:
     """How well a sine was followed, without its first half cycle.
 
     Args:
         log: Of the run.
         position: True position at each cycle [rad]. Shape (n_samples,) or longer.
         frequency: Of the sine [Hz].
-        settings: What the compensation did, in words.
     """
-    time, reference = log.time, log.signal("position_reference")[:, 0]
-    error = reference - np.array(position[: len(time)])
+    time = log.time
+    error = log.signal("position_reference")[:, 0] - np.array(position[: len(time)])
     settled = time >= 0.5 / frequency
     reversal = settled & _after_reversal(log.signal("velocity_reference")[:, 0])
     return TrackingFigures(
@@ -123,21 +115,18 @@ def compute_figures(log: LoopLog, position: Sequence[float], frequency: float, s
         reversal_rms=compute_rms(error[reversal]),
         time=time,
         error=error,
-        reference=reference,
-        torque=log.signal("torque_command")[:, 0],
-        settings=settings,
     )
 
 
 def run_standstill(case: TrackingCase, duration: float = 5.0) -> float:
     """Travel of the joint while the reference stands still, in the last four fifths of `duration` [s], [rad]."""
-    witness, loop, _ = _prepare(case, standing=True)
+    witness, loop = _prepare(case, standing=True)
     loop.run(duration).raise_if_tripped()
     position = np.array(witness.position[len(witness.position) // 5 :])
     return float(np.ptp(position))
 
 
-def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, ControlLoop, Compensator | None]:
+def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, ControlLoop]:
     law = scaled_law(case.joint.law, case.friction_scale)
     sensor = replace(sensors_for(law), delay=case.delay)
     adapter = SimulatedJointAdapter(default_joint(law=law, sensor=sensor, seed=case.seed))
@@ -151,7 +140,7 @@ def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, Co
     loop = ControlLoop(
         adapter, reference, witness, compensators=None if compensator is None else [compensator], period=_PERIOD
     )
-    return witness, loop, compensator
+    return witness, loop
 
 
 def _compensator(case: TrackingCase, sensor: SensorSettings) -> Compensator | None:

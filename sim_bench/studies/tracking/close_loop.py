@@ -50,15 +50,13 @@ class CloseLoopResult:
     Attributes:
         settings: The joint.
         calibrated: Friction that the sweep found.
-        recording: Of the joint, compensated with it.
-        diagnosis: Of that recording.
+        diagnosis: Of a recording of the joint, compensated with it.
         extended: Friction with what the diagnosis adds.
         figures: Tracking, by bandwidth of the PD loop [Hz] and method.
     """
 
     settings: StandInSettings
     calibrated: FrictionModel
-    recording: Recording
     diagnosis: Diagnosis
     extended: FrictionModel
     figures: dict[float, dict[CloseLoopMethod, TrackingFigures]]
@@ -112,7 +110,7 @@ def close_loop(
         bandwidth: {method: _track(settings, model, bandwidth) for method, model in models.items()}
         for bandwidth in bandwidths
     }
-    return CloseLoopResult(settings, calibrated, recording, diagnosis, extended, figures)
+    return CloseLoopResult(settings, calibrated, diagnosis, extended, figures)
 
 
 def _calibrate(settings: StandInSettings, folder: Path, sweep: SweepSettings) -> FrictionModel:
@@ -126,7 +124,7 @@ def _calibrate(settings: StandInSettings, folder: Path, sweep: SweepSettings) ->
 
 def _record(settings: StandInSettings, model: FrictionModel, duration: float) -> tuple[Recording, float]:
     """A motion over the range of positions and loads, and the largest load of it [N·m]."""
-    run = _run(settings, model, _RECORDING_BANDWIDTH, _RECORDED, duration)
+    log, _ = _run(settings, model, _RECORDING_BANDWIDTH, _RECORDED, duration)
     metadata = RecordingMetadata(joint="joint", torque_kind="measured", position_limits=(-2.6, 2.6))
     state, load = ReferenceState(1), [0.0]
     loads = []
@@ -134,7 +132,7 @@ def _record(settings: StandInSettings, model: FrictionModel, duration: float) ->
         _RECORDED.sample(float(time), state)
         _controller(settings, _RECORDING_BANDWIDTH).load_into(load, JointFeedback(1), state)
         loads.append(abs(load[0]))
-    return run.log.recording(0, metadata), max(loads)
+    return log.recording(0, metadata), max(loads)
 
 
 def _extend(calibrated: FrictionModel, diagnosis: Diagnosis, largest_load: float) -> FrictionModel:
@@ -147,22 +145,16 @@ def _extend(calibrated: FrictionModel, diagnosis: Diagnosis, largest_load: float
 
 
 def _track(settings: StandInSettings, model: FrictionModel | None, bandwidth: float) -> TrackingFigures:
-    run = _run(settings, model, bandwidth, SineReference([_AMPLITUDE], _FREQUENCY, [0.0]), _CYCLES / _FREQUENCY)
-    return compute_figures(run.log, run.position, _FREQUENCY, run.compensation)
-
-
-@dataclass(frozen=True)
-class _Run:
-    """Log, true position at each of its cycles [rad], and what the compensation did, in words."""
-
-    log: LoopLog
-    position: list[float]
-    compensation: str
+    log, position = _run(
+        settings, model, bandwidth, SineReference([_AMPLITUDE], _FREQUENCY, [0.0]), _CYCLES / _FREQUENCY
+    )
+    return compute_figures(log, position, _FREQUENCY)
 
 
 def _run(
     settings: StandInSettings, model: FrictionModel | None, bandwidth: float, reference: Reference, duration: float
-) -> _Run:
+) -> tuple[LoopLog, list[float]]:
+    """The log, and the true position at each of its cycles [rad]."""
     _, loop = loop_of(bandwidth, settings.joints[0].sensor, _PERIOD)
     # Of any status: what is concealed may hide a Stribeck effect, and the curve is still what was measured.
     compensator = None if model is None else Compensator(model, period=_PERIOD, loop=loop, any_status=True)
@@ -178,7 +170,7 @@ def _run(
             period=_PERIOD,
         ).run(duration)
     result.raise_if_tripped()
-    return _Run(result.log, witness.position, "no compensation" if compensator is None else compensator.describe())
+    return result.log, witness.position
 
 
 def _controller(settings: StandInSettings, bandwidth: float) -> GravityController:

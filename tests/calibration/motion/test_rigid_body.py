@@ -89,11 +89,10 @@ def test_bidirectional_stribeck_predicts_the_emps_pulse_test_better_than_coulomb
 def test_stribeck_predicts_the_second_half_of_ur10e_joint_1_better_than_coulomb_viscous() -> None:
     (recording,) = read_public("ur10e/joint_1")
     settings = RegressionSettings(position_cutoff=5.0, torque_cutoff=5.0, slowest=0.03)
-    samples, end = sample_joint(recording, settings), float(recording.time[-1])
-    fit = identify_motion(samples.between(10.0 / end, 35.0 / end), settings)
+    fit = identify_motion(sample_joint(recording.window(10.0, 35.0), settings), settings)
     body = fit.rigid_body
     simple = FrictionModel(FrictionLaw((Coulomb(body.coulomb_torque), Viscous(body.viscous_coefficient))))
-    held_out = samples.between(35.0 / end, 60.0 / end)
+    held_out = sample_joint(recording.window(35.0, 60.0), settings)
     error = prediction_error(fit, held_out)
     assert error < 0.03
     assert error < 0.85 * prediction_error(fit, held_out, simple)

@@ -7,7 +7,6 @@ from fricomp.calibration.identification import (
     choose_law,
     plan_informative_speeds,
     profile_interval,
-    profile_likelihood,
 )
 from fricomp.calibration.identification.doubt import with_covariance, with_open_profiles
 from fricomp.errors import IdentificationError
@@ -17,13 +16,9 @@ from ..paper import PROBLEM, noisy
 NAME = "stribeck.forward.stribeck_velocity"
 
 
-def test_profile_rises_from_zero_and_agrees_with_the_covariance_where_that_is_fair() -> None:
+def test_profile_agrees_with_the_covariance_where_that_is_fair() -> None:
     draw = noisy("relative", 1)
     result = identify(draw.velocity, draw.torque, method="least_squares", noise="relative")
-    best = result.parameters[NAME]
-    profile = profile_likelihood(result, NAME, np.array([0.95 * best, best, 1.05 * best]))
-    assert profile[1] == pytest.approx(0.0, abs=1e-6)
-    assert min(profile[0], profile[2]) > 0.1
     interval, plain = profile_interval(result, NAME), result.interval(NAME)
     assert interval.upper - interval.lower == pytest.approx(plain.upper - plain.lower, rel=0.1)
 

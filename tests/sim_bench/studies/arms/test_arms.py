@@ -44,7 +44,6 @@ def score(*joints: dict[str, object], effects: tuple[tuple[str, str, float], ...
         "id": "arm-1",
         "spec": {"seed": 3},
         "effects": [{"joint": joint, "name": name, "enr": enr} for joint, name, enr in effects],
-        "links_off": ["forearm"],
         "links": {"forearm": {"mass": 3.0, "x": 0.1, "y": 0.0, "z": 0.5}},
         "friction": dict.fromkeys(names, FRICTION),
     }
