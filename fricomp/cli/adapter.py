@@ -1,9 +1,16 @@
 """`fricomp adapter`: a careful first trial of a real drive, and clearing its faults."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from fricomp.adapters import JointAdapter
+    from fricomp.adapters.trial import TrialSettings, TrialStep
 
 app = typer.Typer(add_completion=False)
 
@@ -36,26 +43,18 @@ def check(
     the share, so that nothing above it can be commanded. What the drive latches while its watchdog is tried is
     cleared. Exit status 1 if a step fails.
     """
-    from contextlib import closing
     from dataclasses import asdict
-
-    from rich.text import Text
 
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
-    from fricomp.adapters.trial import TrialSettings, try_drive
-    from fricomp.cli.output import answer, say_interrupted
-    from fricomp.cli.terminal import console
-    from fricomp.control.loop.ending import require_stopped
-    from fricomp.control.loop.interruption import interrupting_on_ending_signals
+    from fricomp.adapters.trial import TrialSettings
+    from fricomp.cli.output import answer
     from fricomp.errors import ParameterError
 
     if not rate > 0.0:
         raise ParameterError(f"the rate must be positive [Hz], got {rate!r}")
     settings = TrialSettings(period=1.0 / rate, share=share, largest_motion=motion, take_over=take_over)
     content = read_configuration(configuration)
-    tried = open_adapter(content["backend"], content)
-    screen = console()
 
     def may_energise() -> bool:
         if listen_only:
@@ -63,21 +62,37 @@ def check(
         question = f"Energise the joints, at most {share:.0%} of their torque limits? They may move."
         return yes or typer.confirm(question, err=True)
 
-    steps = []
-    try:
-        with interrupting_on_ending_signals(), closing(try_drive(tried, settings, may_energise)) as trial:
-            for step in trial:
-                steps.append(step)
-                mark, style = MARKS[step.passed]
-                screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
-    except KeyboardInterrupt:
-        require_stopped(tried)
-        say_interrupted("; what was energised is at zero torque")
-        raise
+    steps = _try(open_adapter(content["backend"], content), settings, may_energise)
     failed = any(step.passed is False for step in steps)
     answer({"passed": not failed, "steps": [asdict(step) for step in steps]})
     if failed:
         raise typer.Exit(1)
+
+
+def _try(adapter: JointAdapter, settings: TrialSettings, may_energise: Callable[[], bool]) -> list[TrialStep]:
+    """Go through the steps of a trial, and print each as it ends; Ctrl-C stops the drives."""
+    from contextlib import closing
+
+    from rich.text import Text
+
+    from fricomp.adapters.trial import try_drive
+    from fricomp.cli.output import say_interrupted
+    from fricomp.cli.terminal import console
+    from fricomp.control.loop.ending import require_stopped
+    from fricomp.control.loop.interruption import interrupting_on_ending_signals
+
+    steps = []
+    try:
+        with interrupting_on_ending_signals(), closing(try_drive(adapter, settings, may_energise)) as trial:
+            for step in trial:
+                steps.append(step)
+                mark, style = MARKS[step.passed]
+                console().print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
+    except KeyboardInterrupt:
+        require_stopped(adapter)
+        say_interrupted("; what was energised is at zero torque")
+        raise
+    return steps
 
 
 @app.command(epilog="fricomp adapter clear arm.toml\n\nfricomp adapter clear arm.toml --take-over")

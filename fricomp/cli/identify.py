@@ -120,9 +120,7 @@ def identify(
     arm = ArmOptions(match, gain, channel, mapping)
     cut = Cut(start, stop)
     if simulation is not None:
-        _refuse(
-            {"--joint": joint is not None}, "is of one joint; with --simulation all joints of an arm are identified"
-        )
+        _refuse({"--joint": bool(joint)}, "is of one joint; with --simulation all joints of an arm are identified")
         log = cut.apply_to_log(_require_arm(files, simulation, arm))
         run_arm(log, simulation, out, arm, seed, overwrite=overwrite)
         open_page(out / "report.html", wanted=open_report)

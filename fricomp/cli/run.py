@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from fricomp.adapters import AdapterOptions, JointAdapter
     from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopResult
     from fricomp.control.loop.loop_log import LoopLog
+    from fricomp.live.feed import LiveFeed
     from fricomp.model import FrictionModel
     from fricomp.recording import RecordingMetadata
     from fricomp.report import Chart
@@ -108,26 +109,48 @@ def run(
         claim_folder(out, RUN, overwrite=overwrite, inputs=models) as claim,
         watching(title, live=live, opened=open_report) as feed,
     ):
+        sine = _Sine(amplitude, frequency, cycles)
         results: dict[str, LoopResult] = {}
         for name in ("without", "with"):
             with _kept(claim, name) as record, open_adapter(*chosen) as adapter:
                 setup = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
                 compensators = setup.compensators(gain) if name == "with" else None
-                for compensator in compensators or ():
-                    console().print(compensator.describe())
-                loop = setup.loop((amplitude, frequency, cycles), compensators, priority)
+                loop = setup.loop(sine, compensators, priority)
                 record(loop.log, setup.metadata())
-                if feed is not None:
-                    feed.attach(adapter)
-                    feed.show_duration(f"{name} compensation", cycles / frequency + _REST)
-                results[name] = loop.run(cycles / frequency + _REST)
-                results[name].raise_if_tripped()
+                results[name] = _follow(name, adapter, loop, sine.duration, feed)
         log_run(log, results, friction)
         figures = _write_results(results, friction, out, 1.0 / rate)
     _print(figures, friction, results["with"])
     answer({"joints": [model.joint for model in friction], "out": out, **figures})
     console().print(f"Recordings, plots, figures and run.html in {out}")
     open_page(out / "run.html", wanted=open_report)
+
+
+class _Sine(NamedTuple):
+    """The motion: amplitude [rad] or [m], frequency [Hz], number of cycles."""
+
+    amplitude: float
+    frequency: float
+    cycles: float
+
+    @property
+    def duration(self) -> float:
+        """With the rest before it [s]."""
+        return self.cycles / self.frequency + _REST
+
+
+def _follow(name: str, adapter: JointAdapter, loop: ControlLoop, duration: float, feed: LiveFeed | None) -> LoopResult:
+    """Run the loop for its time [s], watched where there is a live page.
+
+    Raises:
+        SafetyTrip: The safety gate stopped it.
+    """
+    if feed is not None:
+        feed.attach(adapter)
+        feed.show_duration(f"{name} compensation", duration)
+    result = loop.run(duration)
+    result.raise_if_tripped()
+    return result
 
 
 def _write_results(
@@ -223,15 +246,19 @@ class _Setup:
         self.controller = PositionController.from_bandwidth(inertia * (n // len(inertia)), bandwidth)
 
     def compensators(self, gain: float | None) -> list[Compensator]:
-        """One a joint, chosen for its loop."""
+        """One a joint, chosen for its loop; each says what it does."""
+        from fricomp.cli.terminal import console
         from fricomp.control import Compensator
 
         given: dict[str, Any] = {} if gain is None else {"gain": gain}
         quanta = [joint.velocity_quantum for joint in self.adapter.capabilities.joints]
-        return [
+        made = [
             Compensator(model, period=self.period, loop=self._dynamics(joint), velocity_quantum=quantum, **given)
             for joint, (model, quantum) in enumerate(zip(self.models, quanta, strict=True))
         ]
+        for one in made:
+            console().print(one.describe())
+        return made
 
     def _dynamics(self, joint: int) -> LoopDynamics:
         from fricomp.control import LoopDynamics
@@ -239,9 +266,7 @@ class _Setup:
         c = self.controller
         return LoopDynamics(c.inertia[joint], c.stiffness[joint], c.damping[joint], *self.lags)
 
-    def loop(
-        self, motion: tuple[float, float, float], compensators: list[Compensator] | None, priority: int
-    ) -> ControlLoop:
+    def loop(self, sine: _Sine, compensators: list[Compensator] | None, priority: int) -> ControlLoop:
         """The sine, from where the joints are, towards the middle of their range.
 
         Raises:
@@ -250,21 +275,21 @@ class _Setup:
         from fricomp.control import ControlLoop, RealTimeOptions, SineReference
         from fricomp.joint import JointFeedback, await_feedback
 
-        amplitude, frequency, cycles = motion
         capabilities = self.adapter.capabilities
         feedback = JointFeedback(len(capabilities.joints))
         self.adapter.configure("torque", self.period)
         await_feedback(self.adapter, feedback, self.period)
         amplitudes = [
-            _inwards(amplitude, start, facts) for facts, start in zip(self.metadata(), feedback.position, strict=True)
+            _inwards(sine.amplitude, start, facts)
+            for facts, start in zip(self.metadata(), feedback.position, strict=True)
         ]
         return ControlLoop(
             self.adapter,
-            SineReference(amplitudes, frequency, list(feedback.position), rest=_REST),
+            SineReference(amplitudes, sine.frequency, list(feedback.position), rest=_REST),
             self.controller,
             compensators=compensators,
             period=self.period,
-            log_capacity=round((cycles / frequency + _REST) / self.period) + 1,
+            log_capacity=round(sine.duration / self.period) + 1,
             options=None if capabilities.simulated else RealTimeOptions(priority=priority, lock_memory=True),
         )
 

@@ -1,6 +1,7 @@
 """Settings chosen from the model and the loop it works in."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -39,9 +40,7 @@ def choose_settings(
     Raises:
         ParameterError: A value is outside its domain or of another kind, or an unknown field is given.
     """
-    known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
-    if unknown := sorted(set(given) - set(known)):
-        raise ParameterError(f"unknown setting {', '.join(unknown)}; known: {', '.join(known)}")
+    _refuse_unknown(given)
     given_model, model = model, bound_friction(model)
     curves = split_law(model.law)
     velocity_range, range_notes = _velocity_range(model, curves)
@@ -80,6 +79,12 @@ def choose_settings(
         chosen, margin_notes = _with_margin(curves, loop, chosen, given)
         notes += margin_notes
     return replace(chosen, notes=tuple(notes))
+
+
+def _refuse_unknown(given: Iterable[str]) -> None:
+    known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
+    if unknown := sorted(set(given) - set(known)):
+        raise ParameterError(f"unknown setting {', '.join(unknown)}; known: {', '.join(known)}")
 
 
 def _with_margin(

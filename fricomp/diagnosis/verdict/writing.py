@@ -88,15 +88,10 @@ def write_diagnosis(
         joint=case.recordings[0].metadata.joint,
     )
     record = write_record(fields, _collect_notes(findings, verdict, proposal, (*remarks, *looked)))
-    files = () if delivery is None else delivery.series
-    if sample is None:
-        evidence = Evidence(findings.series, findings.maps, findings.orders, findings.change_points, files)
-    else:
-        evidence = Evidence(sample.series, map_excess(sample.series, case.bands), sample.orders, files=files)
     covariance = findings.refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)]
     return Diagnosis(
         record=record,
-        evidence=evidence,
+        evidence=_collect_evidence(findings, verdict, delivery),
         base_model=None if delivery is None else delivery.base,
         extended_model=None if delivery is None else delivery.extended,
         motion=None if proposal is None else proposal.motion,
@@ -106,6 +101,14 @@ def write_diagnosis(
         fold_times=() if delivery is None else delivery.times,
         recorded=None if delivery is None else delivery.motion,
     )
+
+
+def _collect_evidence(findings: Findings, verdict: Verdict, delivery: Delivery | None) -> Evidence:
+    """What the pictures are drawn from: of the samples, where they gave the answer, else of the rows."""
+    sample, files = verdict.sample, () if delivery is None else delivery.series
+    if sample is None:
+        return Evidence(findings.series, findings.maps, findings.orders, findings.change_points, files)
+    return Evidence(sample.series, map_excess(sample.series, findings.case.bands), sample.orders, files=files)
 
 
 def _deliver(

@@ -35,6 +35,13 @@ def _cost(score: ArmScore) -> float:
     return score.processor_seconds
 
 
+def _measure_seconds(of: str, scores: Sequence[ArmScore], most: float) -> Figure[Any]:
+    """How long an arm of a kind takes, wanted below `most` [s]."""
+    return measure_median(
+        f"seconds of an arm {of}", f"≤ {most:g}", scores, lambda score: score.seconds, lambda value: value <= most
+    )
+
+
 def compute_figures(scores: Sequence[ArmScore]) -> list[Figure[Any]]:
     """All figures; those of effects are of the clear ones, in clusters of an arm."""
     clear = list_concealed(scores, CLEAR)
@@ -62,20 +69,8 @@ def compute_figures(scores: Sequence[ArmScore]) -> list[Figure[Any]]:
         measure_median(
             "held-out error of a joint, in that of its simulation", "≤ 0.75", joints, _fall, lambda value: value <= 0.75
         ),
-        measure_median(
-            "seconds of an arm without an effect",
-            "≤ 60",
-            [score for score in scores if not score.truth],
-            lambda score: score.seconds,
-            lambda value: value <= 60.0,
-        ),
-        measure_median(
-            "seconds of an arm with two effects",
-            "≤ 150",
-            [score for score in scores if len(score.truth) > 1],
-            lambda score: score.seconds,
-            lambda value: value <= 150.0,
-        ),
+        _measure_seconds("without an effect", [score for score in scores if not score.truth], 60.0),
+        _measure_seconds("with two effects", [score for score in scores if len(score.truth) > 1], 150.0),
         measure_median(
             "seconds of one core",
             "–",
