@@ -1,6 +1,7 @@
 """The tests mirror the source: who looks for the tests of a folder finds them under its name."""
 
 import ast
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,6 +29,17 @@ def test_no_module_lists_in_all_what_its_names_say_already() -> None:
     lists = [(path, listed, public) for path, listed, public in _read_lists() if path.name != "__init__.py"]
     assert lists
     assert [str(path) for path, listed, public in lists if listed == public] == []
+
+
+def test_every_layer_and_every_stage_of_the_diagnosis_stands_in_the_architecture() -> None:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+    layers, stages = ({name.strip() for row in one["layers"] for name in row.split(":")} for one in contracts[:2])
+    folders = {name for name in stages if (ROOT / "fricomp" / "diagnosis" / name).is_dir()}
+    assert {"laws", "evaluation"} <= layers
+    assert {"joint", "delivery"} <= folders
+    text = (ROOT / "ARCHITECTURE.md").read_text("utf-8")
+    known = {word for name in text.split("`")[1::2] for word in name.removeprefix("fricomp.").split("/")}
+    assert (layers | folders) - {"__main__"} - known == set()
 
 
 def _read_lists() -> Iterator[tuple[Path, set[str], set[str]]]:

@@ -79,16 +79,15 @@ def adapters(
 def _list_adapters() -> None:
     from fricomp.adapters.registry import REFUSED, adapter_names
     from fricomp.cli.output import answer
-    from fricomp.cli.terminal import Table, console
+    from fricomp.cli.terminal import console, make_table
 
     names = ("backend", "what it drives", "from", "needs the extra", "installed")
-    table = Table(*names)
-    for name in adapter_names():
-        table.add_row(name, *(_shipped(name) if name in EXTRAS else _plugged_in(name)))
-    for name, reason in REFUSED.items():
-        table.add_row(name, f"refused: {reason}", "", "", "no")
-    answer({"adapters": [dict(zip(names, row, strict=True)) for row in table.to_builtins()["rows"]]})
-    console().print(table)
+    rows = [(name, *(_shipped(name) if name in EXTRAS else _plugged_in(name))) for name in adapter_names()]
+    refused = [(name, f"refused: {reason}", "", "", "no") for name, reason in REFUSED.items()]
+    answer({"adapters": [dict(zip(names, row, strict=True)) for row in (*rows, *refused)]})
+    console().print(make_table(names, rows))
+    for name, why, *_ in refused:
+        console().print(f"{name} is {why}.")
 
 
 def _scan_all(baudrate: int) -> None:

@@ -90,7 +90,7 @@ class Evaluation(Shown):
         torque = self.torque
         low, high = torque.ci95_rms
         row = (f"{torque.rms:.4g}", f"{low:.4g} to {high:.4g}", f"{torque.median:.4g}", f"{torque.recorded:.4g}")
-        heads = ("RMS", "95 % interval", "median", "of the recorded torque")
+        heads = ("RMS", "95 % interval", "median", "RMS of the recorded torque")
         rows = tuple(
             (
                 f"{one.after:g} s",
@@ -110,7 +110,7 @@ class Evaluation(Shown):
                 *self.notes,
             ),
             (
-                OverviewTable((f"torque error [{torque.unit}]", *heads), (("", *row),)),
+                OverviewTable(("error", *heads), ((f"torque [{torque.unit}]", *row),)),
                 OverviewTable(
                     (f"position error [{unit}] after", "median", "95 % interval", "RMS", "the joint moved", "starts"),
                     rows,

@@ -16,8 +16,6 @@ from .held_out import Fitted, compute_fall, fit_held_out, read_number
 from .models import Candidate, list_candidates, replace_delay
 from .settings import LOW_RATE
 
-__all__ = ["Found", "choose_effects", "refine_delay"]
-
 _SMALL = "it lowers the error on data left out by too little, or not in most blocks of time"
 
 

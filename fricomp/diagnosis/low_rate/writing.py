@@ -38,8 +38,6 @@ from .models import Candidate, find_highest_order
 from .search import Found
 from .settings import LOW_RATE
 
-__all__ = ["write_answer"]
-
 _BASE = {
     "coulomb.coulomb_torque": "coulomb_torque",
     "viscous.viscous_coefficient": "viscous_coefficient",
