@@ -47,7 +47,7 @@ def diagnose(
         tau = J a + g_c cos(q) + g_s sin(q) + tau_0 + tau_friction(v) + w(q, v, a, t, ...),
 
     with w = 0. Its parameters are refitted first, so that what is missing is not taken for wrong parameters. Then each
-    effect of the catalogue is tried for w; one is named where it explains the residual on data that took no part better
+    effect of the catalogue is tried for w; one is named where it explains the residual on held-out data better
     than chance, as simulated joints with nothing missing show it, and where no other effect does as well.
 
     Args:

@@ -42,7 +42,7 @@ def examine_arm(
 
     so that all of it is fitted together from one recording, the links shared by all joints and the simulation trusted
     as far as `prior` says. A term of friction is named where it recurs in halves of the recording and lowers the error
-    on data that took no part.
+    on held-out data.
 
     Args:
         log: A bag, one table with the columns of all joints (CSV, Parquet, MAT, NPZ), a folder, or a recording of each

@@ -13,7 +13,7 @@ fricomp evaluate friction.json elbow.csv --simulation robot.xml --joint elbow
 
 fricomp evaluate runs/why/friction.xml elbow.csv --json
 
-A figure is worth what its data are: take a recording, or a part of one, that took no part in the fit.
+Take a recording, or a part of one, that the fit did not see: on its own data every model looks good.
 
 docs/evaluation.md says how each figure is made.
 """

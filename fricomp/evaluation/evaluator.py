@@ -34,7 +34,7 @@ def evaluate(
     driven by the recorded torque from many measured states: a joint equation J a = tau - friction - gravity for a
     friction model, MuJoCo for an MJCF or URDF file.
 
-    A figure is worth what its data are: give a recording, or `spans` of one, that took no part in the fit.
+    Give a recording, or `spans` of one, that the fit did not see: on its own data every model looks good.
 
     Args:
         model: A friction model, its file (`friction.json`, `.onnx`), an MJCF or URDF file, or the folder of a

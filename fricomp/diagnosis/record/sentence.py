@@ -119,8 +119,8 @@ def describe_forward(forward: Forward) -> str:
     way = "falls" if forward.rmse_after < forward.rmse_before else "rises"
     errors = f"is {after} {forward.unit}" if before == after else f"{way} from {before} to {after} {forward.unit}"
     return (
-        f"Simulated forward in MuJoCo from {low:.3g} to {high:.3g} s, which took no part, the position error {errors}; "
-        f"{forward.controller}."
+        f"Simulated forward in MuJoCo from {low:.3g} to {high:.3g} s, which the fit did not see, the position error "
+        f"{errors}; {forward.controller}."
     )
 
 

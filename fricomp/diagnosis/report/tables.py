@@ -135,7 +135,7 @@ def build_forward_table(record: DiagnosisRecord) -> Table | None:
     low, high = found.interval
     caption = (
         f"The explanation itself, not its files, in MuJoCo under the recorded reference from {low:.3g} to {high:.3g} "
-        f"s, which took no part. {found.controller}."
+        f"s, which the fit did not see. {found.controller}."
     )
     return Table(("position error in closed loop", f"RMS [{found.unit}]"), tuple(rows), caption)
 
