@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.option.panel import Overwrite
+from fricomp.cli.option.loop import DELAY, VELOCITY_FILTER, Delay, Gain, VelocityFilter, loop_option
+from fricomp.cli.option.panel import Overwrite, option_under, output_option
 from fricomp.cli.output import answer
-from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
     from fricomp.control import DriveLimits, LoopDynamics
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from fricomp.model import FrictionModel
 
 app = typer.Typer(add_completion=False)
+
+drive_option = option_under("Drive")
 
 EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 5
 
@@ -29,35 +31,34 @@ fricomp check-loop friction.json --inertia 0.1 --stiffness 98.7 --damping 6.28 -
 @app.command(name="check-loop", epilog=EPILOG)
 def check_loop(
     model: Annotated[Path, typer.Argument(help="Model file of the joint (friction.json).")],
-    inertia: Annotated[float, typer.Option(help="Inertia at the joint [kg·m²] or [kg].")],
-    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of a critically damped PD loop [Hz].")] = None,
-    stiffness: Annotated[float | None, typer.Option(help="Proportional gain [N·m/rad] or [N/m].")] = None,
-    damping: Annotated[float | None, typer.Option(help="Derivative gain [N·m·s/rad] or [N·s/m].")] = None,
-    delay: Annotated[float, typer.Option(help="Delay from motion to the torque that answers it [s].")] = DELAY,
-    velocity_filter: Annotated[
-        float, typer.Option(help="Time constant of the measured velocity's filter [s].")
-    ] = VELOCITY_FILTER,
-    gain: Annotated[
-        float | None, typer.Option(help="Gain of the compensation; chosen from the model if left out.")
-    ] = None,
+    inertia: Annotated[float, loop_option(help="Inertia at the joint [kg·m²] or [kg].")],
+    bandwidth: Annotated[float | None, loop_option(help="Bandwidth of a critically damped PD loop [Hz].")] = None,
+    stiffness: Annotated[float | None, loop_option(help="Proportional gain [N·m/rad] or [N/m].")] = None,
+    damping: Annotated[float | None, loop_option(help="Derivative gain [N·m·s/rad] or [N·s/m].")] = None,
+    delay: Delay = DELAY,
+    velocity_filter: VelocityFilter = VELOCITY_FILTER,
+    gain: Gain = None,
     source: Annotated[
         Literal["reference", "blend", "measured"] | None,
-        typer.Option(help="Where the compensator takes the direction of motion from; chosen if left out."),
+        loop_option(help="Where the compensator takes the direction of motion from; chosen if left out."),
     ] = None,
-    period: Annotated[float, typer.Option(help="Control period [s].")] = 1e-3,
-    quantum: Annotated[float, typer.Option(help="Step of the measured velocity [rad/s] or [m/s].")] = 0.0,
+    period: Annotated[float, loop_option(help="Control period [s].")] = 1e-3,
+    quantum: Annotated[float, loop_option(help="Step of the measured velocity [rad/s] or [m/s].")] = 0.0,
     torque_limit: Annotated[
-        float | None, typer.Option(help="Largest torque of drive or safety gate, for the simulation [N·m] or [N].")
+        float | None, drive_option(help="Largest torque of drive or safety gate, for the simulation [N·m] or [N].")
     ] = None,
-    torque_rate: Annotated[float | None, typer.Option(help="Fastest change of that torque [N·m/s] or [N/s].")] = None,
+    torque_rate: Annotated[float | None, drive_option(help="Fastest change of that torque [N·m/s] or [N/s].")] = None,
     velocity_limit: Annotated[
         float | None,
-        typer.Option(help="Velocity limit of the safety gate [rad/s] or [m/s]; the model's highest speed if left out."),
+        drive_option(help="Velocity limit of the safety gate [rad/s] or [m/s]; the model's highest speed if left out."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
+    out: Annotated[Path | None, output_option(help="Folder for the chart.")] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Margin to the limit cycle, by describing function and by simulation; exit status 1 where it is under 15 %."""
+    """Say how far a loop with this compensation is from a limit cycle, by describing function and by simulation.
+
+    Exit status 1 where the margin is under 15 %.
+    """
     from fricomp.cli.terminal import console
     from fricomp.control import DriveLimits, LoopDynamics, PositionController
     from fricomp.control import check_loop as check

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from fricomp.cli.option.loop import DELAY, VELOCITY_FILTER, Delay, Gain, VelocityFilter, loop_option
 from fricomp.cli.option.motion_log import LogFile
 from fricomp.cli.option.page import Live, OpenPages
 from fricomp.cli.option.panel import Overwrite, option_under, output_option
@@ -25,16 +26,10 @@ if TYPE_CHECKING:
     from fricomp.report import Chart
     from fricomp.results import Claim
 
-__all__ = ["DELAY", "VELOCITY_FILTER", "app"]
-
 app = typer.Typer(add_completion=False)
 
 drive_option = option_under("Drive")
-loop_option = option_under("Loop")
 motion_option = option_under("Motion")
-
-DELAY, VELOCITY_FILTER = 0.002, 0.005
-"""Of a loop that nobody has measured, here and in `check-loop`: those of the simulated joint at 1 kHz [s]."""
 
 _REST = 0.5  # before the motion, while the enable ramp opens [s]
 
@@ -62,13 +57,9 @@ def run(
     frequency: Annotated[float, motion_option(help="Frequency of the sine [Hz].")] = 0.1,
     cycles: Annotated[float, motion_option(help="Number of cycles of the sine.")] = 2.0,
     rate: Annotated[float, loop_option(help="Rate of the control loop [Hz].")] = 1000.0,
-    delay: Annotated[float, loop_option(help="Delay from motion to the torque that answers it [s].")] = DELAY,
-    velocity_filter: Annotated[
-        float, loop_option(help="Time constant of the measured velocity's filter [s].")
-    ] = VELOCITY_FILTER,
-    gain: Annotated[
-        float | None, loop_option(help="Gain of the compensation; chosen from the model if left out.")
-    ] = None,
+    delay: Delay = DELAY,
+    velocity_filter: VelocityFilter = VELOCITY_FILTER,
+    gain: Gain = None,
     priority: Annotated[int, drive_option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
     out: Annotated[Path, output_option(help="Folder for recordings and plots.")] = Path("runs/run"),
     overwrite: Overwrite = False,

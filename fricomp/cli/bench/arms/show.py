@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..figure_table import make_figure_table
+
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.arms import ArmScore
     from fricomp.sim_bench.studies.proof import RunSettings
@@ -13,13 +15,10 @@ if TYPE_CHECKING:
 
 def show_scores(scores: Sequence[ArmScore]) -> None:
     """Print the figures."""
-    from fricomp.cli.terminal import Table, console
+    from fricomp.cli.terminal import console
     from fricomp.sim_bench.studies.arms import compute_figures
 
-    table = Table("figure", "wanted", "measured (95 % interval)", "reached")
-    for figure in compute_figures(scores):
-        table.add_row(figure.name, figure.target, figure.value, figure.standing)
-    console().print(table)
+    console().print(make_figure_table(compute_figures(scores)))
 
 
 def write_run_page(scores: Sequence[ArmScore], settings: RunSettings, page: Path) -> None:

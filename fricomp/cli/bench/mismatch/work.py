@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..figure_table import make_figure_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -74,19 +76,9 @@ def show_scores(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Pa
 
     write_whole(out / "failures.md", format_failures(scores))
     screen, left, refused = console(), count_open(planned, out), len(read_refused(out))
-    screen.print(_make_table(compute_figures(scores)))
+    screen.print(make_figure_table(compute_figures(scores)))
     screen.print(f"{len(scores)} cases in {out}; wrong answers in {out / 'failures.md'}", soft_wrap=True)
     if refused:
         screen.print(f"{refused} cases could not be made; {out / 'refused.jsonl'} says why", soft_wrap=True)
     if left:
         screen.print(f"{left} of {len(planned)} cases are left: --resume goes on", soft_wrap=True)
-
-
-def _make_table(figures: Sequence[Any]) -> Any:
-    from fricomp.cli.terminal import Table
-
-    table = Table("figure", "target", "measured (95 % interval)", "reached")
-    for figure in figures:
-        style = "" if figure.reached is not False else "bold"
-        table.add_row(figure.name, figure.target, figure.value, figure.standing, style=style)
-    return table
