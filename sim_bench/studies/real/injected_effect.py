@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from fricomp.root_mean_square import compute_rms
 
-Samples = NDArray[np.float64]
+from ..kit.rigid_joint import N_BODY, Samples, build_joint_columns
 
 _SMOOTHING = 0.05  # [s] of the Savitzky-Golay window that position is differentiated with, at least 7 samples
 _WINDOW = 0.042  # [s] over which residuals are averaged, as on simulated cases
-_BODY = 3  # columns of inertia and gravity
 _SLOWEST = 0.02  # of the RMS speed: slower samples count as resting, where friction has no known direction
 
 
@@ -89,26 +88,18 @@ def measure_motion(time: Samples, position: Samples, torque: Samples, span: floa
     wanted = _windows(torque, time)[moving]
     best: tuple[float, Samples, Samples, Samples] | None = None
     for width in np.geomspace(0.03, 1.0, 10) * compute_rms(v):
-        columns = _base_columns(q, v, a, float(width))
+        columns = build_joint_columns(q, v, a, float(width))
         rows = _windows(columns, time)[moving]
         solution = np.linalg.lstsq(rows, wanted, rcond=1e-10)[0]
         cost = compute_rms(wanted - rows @ solution)
         if best is None or cost < best[0]:
-            best = (cost, rows, columns[:, :_BODY] @ solution[:_BODY], wanted - rows @ solution)
+            best = (cost, rows, columns[:, :N_BODY] @ solution[:N_BODY], wanted - rows @ solution)
     assert best is not None
     _, rows, load, left = best
     scale = np.linalg.norm(rows, axis=0)
     basis, values, _ = np.linalg.svd(rows[:, scale > 0.0] / scale[scale > 0.0], full_matrices=False)
     kept = basis[:, values > 1e-8 * values[0]]
     return MeasuredMotion(time, position, v, a, torque, load, kept, moving, left, span)
-
-
-def _base_columns(q: Samples, v: Samples, a: Samples, width: float) -> Samples:
-    columns = [a, np.sin(q), np.cos(q), np.ones_like(q)]
-    for side in (v > 0.0, v < 0.0):
-        sign = np.where(side, np.sign(v), 0.0)
-        columns += [sign, sign * np.exp(-((v / width) ** 2)), np.where(side, v, 0.0)]
-    return np.stack(columns, axis=1)
 
 
 def _ripple(motion: MeasuredMotion, amplitude: float, rng: np.random.Generator) -> tuple[Samples, dict[str, float]]:

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -84,15 +85,24 @@ def test_bidirectional_stribeck_predicts_the_emps_pulse_test_better_than_coulomb
     assert error < 0.85 * prediction_error(fit, held_out, simple)
 
 
+def _cut(samples: JointSamples, begin: float, end: float) -> JointSamples:
+    """The part from `begin` to `end`, as fractions of the whole."""
+    n = len(samples.torque)
+    part = slice(round(begin * n), round(end * n))
+    columns = {name: values[part] for name, values in vars(samples).items() if name != "recorded"}
+    return JointSamples(**columns, recorded=replace(samples.recorded, index=samples.recorded.index[part]))
+
+
 @pytest.mark.slow
 @no_ur10e
 def test_stribeck_predicts_the_second_half_of_ur10e_joint_1_better_than_coulomb_viscous() -> None:
     (recording,) = read_public("ur10e/joint_1")
     settings = RegressionSettings(position_cutoff=5.0, torque_cutoff=5.0, slowest=0.03)
-    fit = identify_motion(sample_joint(recording.window(10.0, 35.0), settings), settings)
+    samples, end = sample_joint(recording, settings), float(recording.time[-1])
+    fit = identify_motion(_cut(samples, 10.0 / end, 35.0 / end), settings)
     body = fit.rigid_body
     simple = FrictionModel(FrictionLaw((Coulomb(body.coulomb_torque), Viscous(body.viscous_coefficient))))
-    held_out = sample_joint(recording.window(35.0, 60.0), settings)
+    held_out = _cut(samples, 35.0 / end, 60.0 / end)
     error = prediction_error(fit, held_out)
     assert error < 0.03
     assert error < 0.85 * prediction_error(fit, held_out, simple)

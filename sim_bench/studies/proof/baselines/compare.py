@@ -15,12 +15,13 @@ from fricomp.errors import DiagnosisError
 from ....cases import CaseSpec, generate, write_answer, write_case
 from ...kit.case import run_cases
 from ...kit.page import fill_template
+from ...kit.rigid_joint import Samples
 from ...kit.statistics import compute_share, format_quartiles
 from ...kit.store import Row, RowStore
 from ..making import name_case
 from ..plan import NULLS, PlannedCase
 from ..score import Score
-from .data import Samples, fit_columns, load_data
+from .data import fit_columns, load_data
 from .methods import METHODS, fit_base
 
 _VISIBLE = 0.5

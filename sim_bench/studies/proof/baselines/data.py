@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from fricomp.recording import read_recording
 from fricomp.root_mean_square import compute_rms
 
-Samples = NDArray[np.float64]
+from ...kit.rigid_joint import N_BODY, Samples, build_joint_columns
 
 _WINDOW, _DEGREE, _STEP = 21, 3, 10  # [samples] of the Savitzky-Golay filter, its degree, and between kept samples
 _BLOCK = 4.0  # [s] of held-out blocks, every third
 _SLOWEST = 5e-3  # [rad/s]
-_BODY = 3  # columns of inertia and gravity
 
 
 class BaselineAnswer(NamedTuple):
@@ -87,8 +86,8 @@ def load_data(folder: Path) -> BaselineData:
     width, base = _fit_stribeck(q[kept], v[kept], a[kept], tau[kept])
     held_out = (recording.time[kept] // _BLOCK).astype(int) % 3 == 1
     solution = np.linalg.lstsq(base[~held_out], tau[kept][~held_out], rcond=None)[0]
-    everywhere = _base_columns(q, v, a, width)
-    expected, body = everywhere @ solution, everywhere[:, :_BODY] @ solution[:_BODY]
+    everywhere = build_joint_columns(q, v, a, width)
+    expected, body = everywhere @ solution, everywhere[:, :N_BODY] @ solution[:N_BODY]
     load = body if recording.load_torque is None else savgol_filter(recording.load_torque, _WINDOW, _DEGREE)
     temperature = recording.temperature
     return BaselineData(
@@ -112,20 +111,11 @@ def load_data(folder: Path) -> BaselineData:
     )
 
 
-def _base_columns(q: Samples, v: Samples, a: Samples, width: float) -> Samples:
-    """Inertia, gravity, offset and a Stribeck curve for each direction."""
-    columns = [a, np.sin(q), np.cos(q), np.ones_like(q)]
-    for side in (v > 0.0, v < 0.0):
-        sign = np.where(side, np.sign(v), 0.0)
-        columns += [sign, sign * np.exp(-((v / width) ** 2)), np.where(side, v, 0.0)]
-    return np.stack(columns, axis=1)
-
-
 def _fit_stribeck(q: Samples, v: Samples, a: Samples, tau: Samples) -> tuple[float, Samples]:
     """The Stribeck velocity [rad/s] that leaves the least, and its columns."""
     best = (np.inf, 0.05, np.empty((0, 0)))
     for width in np.geomspace(0.01, 0.4, 12):
-        columns = _base_columns(q, v, a, float(width))
+        columns = build_joint_columns(q, v, a, float(width))
         left = compute_rms(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
         if left < best[0]:
             best = (left, float(width), columns)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from .data import BaselineData, Samples
+from ...kit.rigid_joint import Samples
+from .data import BaselineData
 
 
 def build_library(data: BaselineData) -> dict[str, Samples]:

@@ -10,7 +10,8 @@ import numpy as np
 
 from fricomp.root_mean_square import compute_rms
 
-from .data import BaselineAnswer, BaselineData, Samples, fit_columns
+from ...kit.rigid_joint import Samples
+from .data import BaselineAnswer, BaselineData, fit_columns
 from .library import build_library
 
 __all__ = ["METHODS", "fit_base"]
