@@ -28,7 +28,7 @@ _LEAST_WORK = 0.1  # part of the work on a closed path that must be friction to 
 
 def find_flipped_torque(recording: Recording) -> tuple[Finding, ...]:
     """Friction that drives the motion: the torque's sign is against the convention."""
-    if find_steps(recording):  # the torque of the motion is not in the log
+    if np.ptp(recording.torque) == 0.0 or find_steps(recording):  # the torque of the motion is not in the log
         return ()
     friction = _friction_in_quarters(recording)
     work = _share_of_work(recording)
