@@ -261,7 +261,7 @@ def _in_order(channels: dict[str, ChannelRule]) -> list[str]:
 
 def _list_rests(rule: ChannelRule) -> list[tuple[Column, float]]:
     """Columns of the rest of a stamp of whole seconds, and what one of it is [s]."""
-    rests = ((rule.nanoseconds, 1e-9), (rule.microseconds, 1e-6))
+    rests = ((rule.nanoseconds, 1e-9), (rule.microseconds, 1e-6), (rule.milliseconds, 1e-3))
     return [(column, one) for column, one in rests if column is not None]
 
 

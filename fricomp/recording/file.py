@@ -13,7 +13,8 @@ from fricomp.recording.csv_file import FileContent, read_csv, write_csv
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.named.joint_name import select_joint
-from fricomp.recording.named.log import NamedLog, is_native, read_named_log
+from fricomp.recording.named.log import NamedLog, read_named_log
+from fricomp.recording.named.native import is_native
 from fricomp.recording.named.source import is_bag_folder, read_first_lines
 from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording

@@ -84,6 +84,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         nanoseconds: Only for time, whose column holds whole seconds since some day: that of the rest of its stamp. The
             first row is then at its rest.
         microseconds: The same where the rest is in microseconds.
+        milliseconds: The same where the rest is in milliseconds.
         times: Another column to multiply by.
         unit: Unit of the source by name.
         scale: Factor.
@@ -107,6 +108,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     signed_bits: Annotated[int, Meta(ge=1, le=64)] | None = None
     nanoseconds: Column | None = None
     microseconds: Column | None = None
+    milliseconds: Column | None = None
     times: Column | None = None
     unit: str | None = None
     scale: float = 1.0

@@ -15,7 +15,7 @@ from fricomp.recording.validity import drop_bad_rows, mend_stamps
 from fricomp.untrusted import find_size_limit, parse_json
 from fricomp.whole_file import whole_file
 
-_KEY = b"fricomp.recording"
+KEY = b"fricomp.recording"
 
 
 def write_parquet(recording: Recording, path: Path) -> None:
@@ -27,7 +27,7 @@ def write_parquet(recording: Recording, path: Path) -> None:
     """
     pyarrow, parquet = _import_pyarrow()
     fields = {"schema": SCHEMA, **metadata_to_fields(recording.metadata)}
-    table = pyarrow.table(recording.channels).replace_schema_metadata({_KEY: msgspec.json.encode(fields)})
+    table = pyarrow.table(recording.channels).replace_schema_metadata({KEY: msgspec.json.encode(fields)})
     with whole_file(path, RecordingError) as temporary:
         parquet.write_table(table, temporary)
 
@@ -62,7 +62,7 @@ def read_parquet(path: Path, *, skip_bad_rows: bool = False, row_rate: float | N
     columns = with_row_rate(columns, row_rate)
     findings: tuple[Finding, ...] = ()
     try:
-        fields = _decode_fields((table.schema.metadata or {}).get(_KEY))
+        fields = _decode_fields((table.schema.metadata or {}).get(KEY))
         if skip_bad_rows and "time" in columns and all(c.dtype.kind in "fiu" for c in columns.values()):
             columns, findings = drop_bad_rows(columns)
         columns, repeated = mend_stamps(columns)

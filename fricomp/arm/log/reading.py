@@ -14,7 +14,8 @@ from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import RecordingError, SimulationFileError
 from fricomp.recording import Recording, RecordingMetadata, convert, load_mapping, read_recording
 from fricomp.recording.named.choice import INTEGRAL
-from fricomp.recording.named.log import NamedLog, is_native, read_named_log, separate_joints
+from fricomp.recording.named.log import NamedLog, read_named_log, separate_joints
+from fricomp.recording.named.native import is_native
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.sliding import slides_by_force_alone
 from fricomp.recording.named.source import is_bag_folder

@@ -120,7 +120,7 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
         RecordingError: A source cannot be read.
         ParameterError: It is the log of an arm, and no simulation is given.
     """
-    from fricomp.recording.named.log import is_native
+    from fricomp.recording.named.native import is_native
 
     asked = options.channels or options.mapping
     given = [Path(one) for one in sources]

@@ -47,7 +47,11 @@ def find_wrong_time_unit(recording: Recording) -> tuple[Finding, ...]:
     if period < _SLOWEST_PERIOD:
         return ()
     message = f"the median step of time is {period:g} s: this looks like milliseconds or sample numbers"
-    return (Finding("time_unit", "error", message, "give time in seconds", column="time"),)
+    advice = (
+        "give time in seconds, call the column time_ms where it is in milliseconds, or say how many rows come a second "
+        "by 'fricomp convert LOG --row-rate 500 --out joint.csv'"
+    )
+    return (Finding("time_unit", "error", message, advice, column="time"),)
 
 
 def find_low_rate(recording: Recording) -> tuple[Finding, ...]:

@@ -58,7 +58,8 @@ def _render_time(stamps: str, unit: str, layout: TextLayout | None) -> str:
             return f"time = {{ rate = {hertz!r} }}"
         return _rule("time", counter, "", layout, f"scale = {1.0 / hertz!r}", "from_zero = true")
     seconds, parts = stamps, list[str]()
-    for part, between in (("nanoseconds", PARTS_OF_SECONDS[1e-9]), ("microseconds", PARTS_OF_SECONDS[1e-6])):
+    for part, one in (("nanoseconds", 1e-9), ("microseconds", 1e-6), ("milliseconds", 1e-3)):
+        between = PARTS_OF_SECONDS[one]
         if between in stamps:
             seconds, rest = stamps.split(between)
             parts = [f"{part} = {render_column(rest, layout)}"]

@@ -78,9 +78,17 @@ _MOSTLY = 0.05
 _FAR_MORE_EVEN = 0.5
 """Unevenness over that of the clock with the plainest name, below which another clock is taken."""
 
-PARTS_OF_SECONDS = {1e-9: " + 1e-9 ", 1e-6: " + 1e-6 "}
+PARTS_OF_SECONDS = {1e-9: " + 1e-9 ", 1e-6: " + 1e-6 ", 1e-3: " + 1e-3 "}
 """What stands between the names of two columns that are one time, by what one of the second is [s]."""
 
+
+_RESTS = {
+    re.compile(r"(time[_ ]?)?(ms|msecs?|millis|milliseconds?)", re.IGNORECASE): 1e-3,
+    re.compile(r"(time[_ ]?)?(us|usecs?|micros|microseconds?)", re.IGNORECASE): 1e-6,
+}
+"""Names of a rest beside whole seconds, and what one of it is [s]."""
+_GOES_ON = 0.99
+"""Part of the steps that do not go back where seconds and their rest are one stamp."""
 
 AT_RATE = " at "
 """Between the name of a counter of rows, if there is one, and their rate, where these are the time."""
@@ -135,6 +143,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     columns = {name: values for name, values in columns.items() if name not in period}
     split = _find_split_stamp(columns)
     stamps = [name for name in find_stamps(columns) if split is None or name not in split]
+    stamps = [name for name in stamps if split is None or np.isfinite(columns[name]).any()]
     names = _prefer_even(columns, sorted(stamps, key=lambda name: not _rises(columns[name])))
     if split is not None and not names:
         whole, rest, one = split
@@ -322,6 +331,20 @@ def _find_split_stamp(columns: Mapping[str, Samples]) -> tuple[str, str, float] 
         found = [(lower.get(match.group(1).lower() + part), one) for part, one in _PARTS.items()] if match else []
         for rest, one in found:
             if rest is not None and rest != name and _is_rest(columns[name], columns[rest], one):
+                return name, rest, one
+    return _find_stamp_with_rest(columns)
+
+
+def _find_stamp_with_rest(columns: Mapping[str, Samples]) -> tuple[str, str, float] | None:
+    """A time in whole seconds and the column `ms` or `us` of their rest, which starts again with each of them."""
+    rests = [(name, one) for name in columns for pattern, one in _RESTS.items() if pattern.fullmatch(name)]
+    for rest, one in rests:
+        for name in find_stamps(columns):
+            if name == rest or not _is_rest(columns[name], columns[rest], one):
+                continue
+            both = columns[name] + one * columns[rest]
+            known = both[np.isfinite(both)]
+            if np.any(np.diff(columns[rest]) < 0.0) and np.mean(np.diff(known) >= 0.0) > _GOES_ON:
                 return name, rest, one
     return None
 

@@ -10,7 +10,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
-from fricomp.recording.recording import CHANNELS, Recording
+from fricomp.recording.recording import Recording
 from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import spread_held, with_row_rate
 from fricomp.recording.unit import find_unit, shows_radians
@@ -26,7 +26,7 @@ from .device_unit import explain_unit, find_rating_parts, refuse_axis
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
 from .missing import explain_missing, say_left_out
 from .sliding import is_linear, mark_assumed, require_length
-from .source import read_first_lines, read_named_columns
+from .source import read_named_columns
 from .sparse import join_sparse
 from .torque_constant import say_torque_constant
 from .vendor import find_drive_of_turns
@@ -55,37 +55,6 @@ class NamedLog:
     sources: Mapping[str, Mapping[str, tuple[str, ColumnMeaning]]]
     notes: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
-
-
-def is_native(path: Path) -> bool:
-    """Whether a file is a recording of one joint: its columns are called as channels are, and hold one number a row."""
-    if path.suffix.lower() in (".parquet", ".pq"):
-        return _is_native_parquet(path)
-    if path.suffix.lower() not in (".csv", ".txt") or not path.is_file():
-        return path.suffix.lower() in (".csv", ".txt")
-    lines = read_first_lines(path, 2)
-    if lines.states_schema or not lines.rows:
-        return True
-    listed = [cell.strip() for cell in lines.rows[0].split(",")]
-    cells = set(listed)
-    if (
-        not cells <= set(CHANNELS)
-        or len(cells) < len(listed)
-        or ("time" in cells and "position" not in cells and "velocity" in cells)
-    ):
-        return False
-    return not any("[" in row or not any(map(str.isdigit, row)) for row in lines.rows[1:])  # lists, or a line of units
-
-
-def _is_native_parquet(path: Path) -> bool:
-    from pyarrow import ArrowException, parquet, types
-
-    try:
-        schema = parquet.read_schema(path)
-        names = set(schema.names)
-    except (OSError, ArrowException, UnicodeDecodeError):
-        return True  # whose reader says what is wrong with it
-    return names <= set(CHANNELS) and all(types.is_floating(one) or types.is_integer(one) for one in schema.types)
 
 
 def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row_rate: float | None = None) -> NamedLog:

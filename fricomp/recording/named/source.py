@@ -4,6 +4,7 @@ import csv
 import itertools
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -182,7 +183,9 @@ def read_layout(path: Path) -> TextLayout:
     """
     with path.open(encoding=find_encoding(path), errors="replace") as stream:
         lines = [line[:_LONGEST_LINE] for line in itertools.islice(stream, FIRST_LINES)]
-    return _require_layout(path, as_table(lines))
+    with suppress(RecordingError):
+        return _require_layout(path, as_table(lines))
+    return _require_layout(path, [line[:_LONGEST_LINE] for line in read_lines(path)[:FIRST_LINES]])  # a channel a block
 
 
 def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:

@@ -17,6 +17,8 @@ DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
 """A number with points between thousands and a decimal comma."""
 _GAPPED = re.compile(r"[+-]?\d{1,3}(?:([ \u00a0\u2009\u202f'’])\d{3})(?:\1\d{3})*(?:[.,]\d*)?")
 """A number with spaces or apostrophes between thousands."""
+_COMPACT = re.compile(r"(\d{8})[T_-](\d{6})(?:[._,-]?(\d{1,9}))?")
+"""A date and time without marks within, as names of files have them: `20240314_235950_004`."""
 _FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)")
 _CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:;](\d+))?")
 """A time of day, or a length of time in hours or in minutes."""
@@ -80,6 +82,8 @@ def parse_number(cell: str, decimal: str) -> float:
     if "," in text:
         text = _without_commas(text, decimal)
     try:
+        if "_" in text:  # which Python takes between digits
+            raise ValueError(text)
         return float(int(text, 16)) if text[:2] in ("0x", "0X") else float(text)
     except ValueError:
         fortran = _FORTRAN.fullmatch(text)
@@ -133,5 +137,8 @@ def _parse_stamp(text: str) -> float:
         return 3600.0 * int(hours) + 60.0 * int(minutes) + float(f"{seconds}.{rest}")
     if _IEC.fullmatch(text):
         return sum(float(number) * _IEC_UNITS[unit.lower()] for number, unit in _IEC_PART.findall(text))
+    compact = _COMPACT.fullmatch(text)
+    if compact:
+        text = f"{compact.group(1)}T{compact.group(2)}.{(compact.group(3) or '0').ljust(6, '0')[:6]}"
     stamp = datetime.fromisoformat(text)
     return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()

@@ -22,6 +22,8 @@ _LABELLED = re.compile(
 _STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
 _FIRST, _LAST = re.compile(rf"^\s*[\[(]?\s*({_STAMP})\s*[\])]?(?=[\s:;,]|$)"), re.compile(r"(?<=\s)(\d+(?:\.\d+)?)\s*$")
 """A number without a label at an end of the line: when it was written."""
+_ASIDE = re.compile(r"[\[(](\d+(?:\.\d+)?)[\])]")
+"""The same in brackets before the first label: `I (3120) motor: pos=0.1`, `[INFO] [1710460790.25] [node]: pos: 0.1`."""
 _STAMPS = "log time"
 _OPENS = re.compile(r"\s::\s*$")
 """End of a frame's line, below which stands what was decoded of it."""
@@ -83,8 +85,9 @@ def _name_with_unit(label: str, unit: str) -> str:
 
 def _read_stamps(lines: Sequence[str]) -> list[str]:
     """The number without a label of each line, where all have one and they rise; empty where they do not."""
-    for where in (_FIRST, _LAST):
-        found = [where.search(line) for line in lines]
+    heads = [line[: match.start()] if (match := _LABELLED.search(line)) else line for line in lines]
+    for where, looked_at in ((_FIRST, lines), (_LAST, lines), (_ASIDE, heads)):
+        found = [where.search(line) for line in looked_at]
         stamps = [match.group(1).replace(",", ".") for match in found if match is not None]
         if len(stamps) < len(lines):
             continue

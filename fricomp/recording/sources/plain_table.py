@@ -9,6 +9,7 @@ from fricomp.recording.unit_word import find_unit_words
 
 from .cell import is_number, parse_number, read_measured
 from .labelled_rows import join_rows, tabulate_labelled
+from .octave_text import tabulate_variables
 from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
 
 _MOSTLY = 0.5
@@ -23,6 +24,13 @@ _ELEMENT = re.compile(
 )
 _ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*\"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*\"")
 """An element of XML with its attributes and the number in it, and an attribute that is a number."""
+_BRACKETED = re.compile(r"^\s*\[*[\[(]([^\[\]()]*,[^\[\]()]*)[\])]\]*\s*[,;]?\s*$")
+"""A row as a list or a tuple of Python: `(0.1, 0.2, 0.3)`."""
+_PYTHON = re.compile(
+    r"\b(?:(?:np|numpy|torch|jnp)\.)?(?:(?:float|u?int)\d+|array|tensor|Array)"
+    r"\(([^(),]*|\[[^()\[\]]*\])(?:,\s*\w+=[^()]*)?\)"
+)
+"""A number or a list as Python shows it: `np.float64(0.1)`, `array([0.1, 0.2], dtype=float32)`, `tensor(0.1)`."""
 _FEWEST_ENTRIES = 3
 """Numbers of a line of XML that are a row: time, position and torque."""
 _MOST_CHANNELS, _LONG_ROW, _LONG_LINE = 64, 200, 400
@@ -33,15 +41,17 @@ _JOINT_LABEL = re.compile(r'\b(?:joint|joint_name|motor|axis)="([^"]*)"')
 def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     """The lines as they are, or those of a table with the same numbers.
 
-    Rows that label each number, messages of ROS as they are printed, samples of Prometheus, lines behind the time at
-    which they arrived, elements of XML, a channel a line, and cells with their unit become plain rows below one line of
-    names.
+    Variables of Octave, rows in brackets, rows that label each number, messages of ROS as they are printed, samples of
+    Prometheus, lines behind the time at which they arrived, elements of XML, a channel a line, and cells with units
+    become plain rows below one line of names.
 
     Args:
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
     try:
+        lines = tabulate_variables(lines) or _read_python(lines)
+        lines = _unwrap(lines) or lines
         lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
         lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
         layout = find_layout(lines[:FIRST_LINES])
@@ -50,6 +60,21 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     except csv.Error:
         return lines  # whose reader says what is wrong with it
     return tabulate_labelled(lines, is_whole=is_whole) or lines
+
+
+def _read_python(lines: list[str]) -> list[str]:
+    """The lines with bare numbers and lists where Python shows what made them."""
+    if not any(_PYTHON.search(line) for line in lines[:FIRST_LINES]):
+        return lines
+    return [_PYTHON.sub(r"\1", line) for line in lines]
+
+
+def _unwrap(lines: Sequence[str]) -> list[str] | None:
+    """The lines without the brackets about each row; None where they have none."""
+    first = [line for line in lines[:FIRST_LINES] if line.strip() and not is_comment(line)]
+    if not first or sum(_BRACKETED.match(line) is not None for line in first) <= _MOSTLY * len(first):
+        return None
+    return [match.group(1) if (match := _BRACKETED.match(line)) else line for line in lines]
 
 
 def _tabulate_messages(lines: Sequence[str]) -> list[str] | None:

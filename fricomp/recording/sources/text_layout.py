@@ -204,7 +204,19 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
         else:
             first = line.number
     bare = TextLayout(mark, decimal, (), first, first)
-    return _choose_names(headings[:_MOST_HEADINGS], bare, labelled=is_entry(cells[0])) if headings else bare
+    if not headings:
+        return bare
+    layout = _choose_names(headings[:_MOST_HEADINGS], bare, labelled=is_entry(cells[0]))
+    if len(layout.names) == width - 1 and cells[-1] and _count_rows(lines[first:], mark):
+        return replace(layout, names=("", *layout.names), is_joined=True)
+    return layout
+
+
+def _count_rows(rows: Sequence[str], mark: str) -> bool:
+    """Whether the first cells are the numbers of the rows, which R writes without a name above them."""
+    shown = [line for line in itertools.islice(rows, _LOOKED_AT) if line.strip() and not is_comment(line)]
+    firsts = [split_cells(line, mark)[0] for line in shown]
+    return all(cell.isdigit() for cell in firsts) and all(int(b) == int(a) + 1 for a, b in itertools.pairwise(firsts))
 
 
 def _find_decimal(rows: Sequence[str], mark: str) -> str:
