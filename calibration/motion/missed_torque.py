@@ -157,19 +157,23 @@ def doubt_for_gravity(motion: MotionIdentification, missed: MissedTorque, flag: 
     return _doubt(motion, f"{shown}, and friction would hold it; say {flag}gravity")
 
 
-def doubt_for_spring(motion: MotionIdentification, missed: MissedTorque) -> MotionIdentification:
+def doubt_for_spring(motion: MotionIdentification, missed: MissedTorque, gravity: str) -> MotionIdentification:
     """The motion with its friction in doubt, which holds what the spring does.
 
     Args:
         motion: Identified without the spring.
         missed: What it misses.
+        gravity: What to say where it is gravity, which is a spring over a small angle; empty where it cannot be.
     """
+    instead = (
+        f", or say {gravity} where it is the weight of the joint, which is alike over a small angle" if gravity else ""
+    )
     model = motion.friction.model
     unit = f"{model.torque_unit}/{'rad' if model.motion == 'rotary' else 'm'}"
     message = (
         f"the torque follows the position like a spring of {missed.size:.4g} {unit}: without it {missed.without:.2g} "
         f"of the torque is unexplained, with it {missed.left:.2g}; inertia and friction hold a part of it here: take "
-        "'fricomp diagnose', whose model has a spring"
+        f"'fricomp diagnose', whose model has a spring{instead}"
     )
     return _doubt(motion, message)
 

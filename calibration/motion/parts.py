@@ -22,6 +22,8 @@ _MOTION = "motion"
 """Kind of the blocks that `fricomp calibrate --motion` writes beside those of its preparation."""
 _FEWEST = 50
 """Samples below which a part is not filtered: the zero-phase filters need some before and after what is kept."""
+_SHATTERED = 4
+"""The same rows times this are in a recording that is refused where no stretch has as many."""
 _MARGINS = 4.0
 """Margins below which a part is not filtered: two of them are left out at its ends."""
 
@@ -80,6 +82,7 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
     chosen, notes = _choose_blocks(content.recording, file)
     usable = find_usable_parts(chosen)
     chosen = usable.kept
+    _refuse_shattered(file, usable)
     findings = content.findings + tuple(one for one in check_recording(chosen) if one.code != "gap")
     raise_errors(findings, str(file))
     idle = [one for one in findings if one.code in SHOWS_NO_SLIDING]
@@ -89,6 +92,22 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
     on_joint = chosen.on_joint_side()
     return MotionRecording(
         on_joint, findings, (*notes, *usable.sentences, *late, *_side_notes(chosen, on_joint)), usable
+    )
+
+
+def _refuse_shattered(file: Path | str, usable: UsableParts) -> None:
+    """Refuse a recording in which every stretch between gaps is too short: what one of them shows is no motion.
+
+    Raises:
+        RecordingError: It is one.
+    """
+    if len(usable.parts) > 1 or len(usable.kept) >= _FEWEST or usable.rows < _SHATTERED * _FEWEST:
+        return
+    period = usable.duration / max(usable.rows - 1, 1)
+    raise RecordingError(
+        f"{file}: its {usable.rows} rows lie in stretches of at most {len(usable.kept)} between gaps in time, too "
+        "short to be filtered: where they were sampled evenly and stamped when they arrived, give their rate: 'fricomp "
+        f"convert LOG --row-rate {1.0 / period:.4g} --out joint.csv'"
     )
 
 

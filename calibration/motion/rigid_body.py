@@ -158,7 +158,7 @@ def _undo_shrinking(fit: CorrelatedFit, columns: FloatArray, noise: float) -> Co
     alone = float(np.sum((columns[:, 0] - others @ held) ** 2))
     share = min(len(columns) * noise**2 / max(alone, 1e-300), _MOST_SHRUNK)
     along = np.concatenate([[1.0], -held / np.maximum(np.linalg.norm(columns[:, 1:], axis=0), 1e-300)])
-    moved = share / (1.0 - share)
+    moved = share / (1.0 - share) if share < _MOST_SHRUNK else 0.0  # of noise alone it would make noise of friction
     back = np.eye(len(along))
     back[:, 0] += moved * along
     doubt = NOISE_KNOWN * moved * float(fit.solution[0]) * along

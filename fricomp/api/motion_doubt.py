@@ -65,7 +65,8 @@ def doubt_for_all(
     """
     sprung = find_missed_spring(samples, settings)
     if sprung is not None and (left_out is None or sprung.left < left_out.left):
-        motion = doubt_for_spring(motion, sprung)
+        turns = motion.friction.model.motion == "rotary" and not settings.gravity
+        motion = doubt_for_spring(motion, sprung, f"{flag}gravity" if turns else "")
     elif left_out is not None:
         motion = doubt_for_gravity(motion, left_out, flag)
     cutoff = find_motion_filter(samples, settings, motion.lag.value)

@@ -174,3 +174,21 @@ def test_degrees_are_named_ahead_of_what_they_look_like() -> None:
     found = fricomp.identify(Recording(np.asarray(log.time), angle, bent, velocity=speed, metadata=log.metadata))
     assert not found.is_usable
     assert "it seems to be in degrees (factor 57.3); multiply by π/180" in found.result.message
+
+
+@pytest.mark.parametrize(("seed", "period"), [(2, 0.005), pytest.param(8, 0.004, marks=pytest.mark.slow)])
+def test_an_inertia_of_which_noise_is_all_that_is_seen_makes_no_noise_of_friction(seed: int, period: float) -> None:
+    """Strokes at constant speeds, written with two decimals: the acceleration is that of rounding."""
+    rng = np.random.default_rng(seed)
+    speeds = rng.permutation(np.geomspace(0.15, 1.8, 6))
+    wanted = np.concatenate([np.repeat([speed, -speed], int(1.6 / speed / period)) for speed in speeds])
+    velocity = np.convolve(wanted, np.ones(60) / 60.0, mode="same")
+    time = period * np.arange(velocity.size)
+    position = period * np.cumsum(velocity)
+    torque = 2.8 * np.tanh(velocity / 1e-3) + 1.4 * velocity + 0.2 * np.gradient(velocity, period)
+    log = Recording(np.round(time, 3), np.round(position, 2), np.round(torque + rng.normal(0.0, 0.03, time.size), 2))
+    found = fricomp.identify(log)
+    assert found.is_usable, found.result.message
+    assert found.result.noise.level < 0.1
+    for speed in (0.3, 1.2):
+        assert float(found.model.torque(speed)) == pytest.approx(2.8 + 1.4 * speed, rel=0.03)

@@ -140,8 +140,8 @@ def _flat_message(branches: list[int], form: SeparableLaw, points: Observations)
     where = f" in {sides} direction" if form.bidirectional else ""
     low, high = float(points.speed.min()), float(points.speed.max())
     return (
-        f"no Stribeck effect shows{where} between {low:.3g} and {high:.3g}: take a law without one (coulomb_viscous, "
-        f"asymmetric_coulomb_viscous or auto), or add speeds below {low:.3g} where one is expected there"
+        f"no Stribeck effect shows{where} between {low:.3g} and {high:.3g}: take a law without one (coulomb_viscous or "
+        f"asymmetric_coulomb_viscous; of a table also auto), or add speeds below {low:.3g} where one is expected there"
     )
 
 

@@ -49,6 +49,8 @@ _COOLED = 1.7
 """Factor up to which friction may be larger after a rest: warming takes away two fifths, which a rest gives back."""
 _APART = 0.05
 """Correlation below which what is left of two rows does not go together."""
+_BINS, _IN_BIN = 8, 10
+"""Ranges of speed in which the friction of both parts is compared, and rows of each that such a range has at least."""
 _RIDGE = 1e-9
 """Added to the squares of columns of length one, so that those that are alike share what they explain."""
 _REST = 2.0
@@ -160,6 +162,8 @@ def locate_torque_step(recording: Recording) -> TorqueStep | None:
         or not np.log(_LEAST) < abs(np.log(best.factor)) < _BOUND * np.log(_MOST)
     ):
         return None
+    if not _is_borne_out(joint, _GAIN if is_gain else _FRICTION, best, motion.velocity[motion.rows]):
+        return None
     before, after = motion.time[motion.rows][best.row - 1 : best.row + 1].tolist()
     if not is_gain and after - before > _REST and 1.0 < best.factor < _COOLED:
         return None
@@ -243,6 +247,42 @@ def _list_left(joint: _Joint, kind: _Kind, fit: _Fit) -> Samples:
     before, after = _scale(joint, kind, np.array([fit.factor]))
     columns = joint.columns * np.where(np.arange(joint.target.size)[:, None] < fit.row, before, after[0])
     return np.asarray(joint.target - columns @ np.linalg.lstsq(columns, joint.target, rcond=None)[0])
+
+
+def _is_borne_out(joint: _Joint, kind: _Kind, fit: _Fit, velocity: Samples) -> bool:
+    """Whether friction at the speeds that both parts have is nearer to a step by this factor than to none.
+
+    Curves that may take many forms, and an acceleration that is an encoder's noise in slow strokes and none in fast
+    ones, make a step of what is none. Parts without a speed in common leave it open.
+
+    Args:
+        joint: What the torque is a sum of.
+        kind: Of the step.
+        fit: The step.
+        velocity: Of the rows [rad/s] or [m/s].
+    """
+    before, after = _scale(joint, kind, np.array([fit.factor]))
+    is_before = np.arange(velocity.size) < fit.row
+    columns = joint.columns * np.where(is_before[:, None], before, after[0])
+    solution = np.linalg.lstsq(columns, joint.target, rcond=None)[0]
+    body = columns[:, joint.of_body] @ solution[joint.of_body]
+    friction, speed = (joint.target - body) * np.sign(velocity), np.abs(velocity)
+    edges = np.quantile(speed, np.linspace(0.0, 1.0, _BINS + 1))
+    bins = np.clip(np.searchsorted(edges, speed, side="right") - 1, 0, _BINS - 1)
+    levels = np.array(
+        [
+            [
+                float(np.median(friction[rows & part])) if np.count_nonzero(rows & part) >= _IN_BIN else np.nan
+                for part in (is_before, ~is_before)
+            ]
+            for rows in (bins == k for k in range(_BINS))
+        ]
+    )
+    levels = levels[np.all(levels > 0.0, axis=1)]
+    if not levels.size:
+        return True
+    ratio = float(np.median(np.log(levels[:, 1] / levels[:, 0])))
+    return abs(ratio - np.log(fit.factor)) < abs(ratio)
 
 
 def _count_alike(left: Samples) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
+from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.columns import Columns, Contents, flatten_arrays
 from fricomp.recording.sources.hdf5_file import is_hdf5, read_hdf5
 from fricomp.recording.sources.json_table import tabulate
@@ -83,6 +84,7 @@ _NAMES_OF_COLUMNS = ("columns", "names", "labels", "header", "fields", "keys", "
 def _name_columns(arrays: Mapping[str, Any]) -> dict[str, Any]:
     """Arrays by name, with the columns of a matrix by the words of an array beside it."""
     said = [one for name, one in arrays.items() if name.lower() in _NAMES_OF_COLUMNS and one.dtype.kind == "U"]
+    said = [one for one in said if count_known([str(word) for word in one.flat]) > 1]  # joints are called otherwise
     named = dict(arrays)
     for name, matrix in arrays.items():
         words = next((one for one in said if matrix.ndim == 2 and one.shape == matrix.shape[1:]), None)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import fricomp
+from fricomp.calibration.motion.parts import read_motion_recording
+from fricomp.errors import RecordingError
 from fricomp.recording import Recording
 from fricomp.sim_bench.studies.logs.good_log import INERTIA, joint_log
 
@@ -25,3 +27,12 @@ def test_the_noise_of_a_coarse_encoder_is_kept_out_beside_a_short_part(seed: int
     assert found.motion is not None
     assert any(note.startswith("Low-pass: ") for note in found.notes)
     assert found.motion.rigid_body.inertia == pytest.approx(INERTIA, rel=0.05)
+
+
+def test_a_log_of_nothing_but_short_stretches_is_refused_with_the_rate_to_give() -> None:
+    log = joint_log(12.0, 1000.0, 3)
+    rows = np.arange(len(log)) % 10 < 7  # bursts of ten, of which three have no later stamp
+    held = np.arange(len(log)) // 10 * 10
+    stamps = np.asarray(log.time)[held] + 2e-5 * (np.arange(len(log)) % 10)
+    with pytest.raises(RecordingError, match=r"stretches of at most 7 between gaps.*--row-rate"):
+        read_motion_recording(log.with_channels(time=stamps).rows(rows))

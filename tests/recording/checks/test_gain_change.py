@@ -112,3 +112,16 @@ def test_a_joint_without_any_noise_has_none_but_its_own() -> None:
     step = locate_torque_step(_enlarge(bare, 0.5, 2.0))
     assert step is not None
     assert step.factor == pytest.approx(2.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("seed", "period"), [(8, 0.004), (64, 0.004), pytest.param(76, 0.004, marks=pytest.mark.slow)])
+def test_strokes_at_several_speeds_by_a_coarse_encoder_are_no_step(seed: int, period: float) -> None:
+    """The acceleration is the encoder's noise in slow strokes, and the joint's in fast ones."""
+    rng = np.random.default_rng(seed)
+    speeds = rng.permutation(np.geomspace(0.15, 1.8, 6))
+    wanted = np.concatenate([np.repeat([speed, -speed], int(1.6 / speed / period)) for speed in speeds])
+    velocity = np.convolve(wanted, np.ones(60) / 60.0, mode="same")
+    torque = 2.8 * np.tanh(velocity / 1e-3) + 1.4 * velocity + 0.2 * np.gradient(velocity, period)
+    torque = np.round(torque + rng.normal(0.0, 0.03, velocity.size), 2)
+    log = Recording(period * np.arange(velocity.size), np.round(period * np.cumsum(velocity), 2), torque)
+    assert _list_codes(log) == []
