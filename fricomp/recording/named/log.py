@@ -23,6 +23,7 @@ from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .current_size import say_current_size
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import explain_unit, find_rating_parts, refuse_axis
+from .episodes import join_episodes
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
 from .missing import explain_missing, say_left_out
 from .sliding import is_linear, mark_assumed, require_length
@@ -69,8 +70,9 @@ def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row
         RecordingError: The file cannot be read, or does not say what its columns are.
         MissingExtraError: The package that reads the format is not installed.
     """
-    columns = read_named_columns(path)
-    if row_rate is not None:
+    found = read_named_columns(path)
+    columns = join_episodes(found, row_rate)
+    if row_rate is not None and columns.keys() == found.keys():
         stamps = find_stamps(columns)
         columns = with_row_rate({name: values for name, values in columns.items() if name not in stamps}, row_rate)
     return separate_joints(path, columns, channels or {})

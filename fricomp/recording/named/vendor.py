@@ -49,6 +49,9 @@ _ACTUATOR = re.compile(r"(?:^|[./])qfrc_actuator[\[_:.]?(\w*)\]?$")
 _POLICY = re.compile(r"(^|\.)(observation\.state|action)\.[^/]*\.pos$")
 """Positions of LeRobot: degrees, or parts of a range in per cent, as the robot was set up."""
 
+_PHOENIX = re.compile(r"(?:^|/)(?:Phoenix6|TalonFXS?|CANcoder)\b[^/]*/.*\b(Position|Velocity)$")
+"""Signals of CTRE's Phoenix 6: rotations, and rotations a second."""
+
 _LARGEST_RAD = 8.0
 """Of such a position, above which it is not in rad."""
 
@@ -140,6 +143,9 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
         return replace(meaning, unit="turns", certainty=max(meaning.certainty, 0))
     if meaning.channel == "position" and _POLICY.search(name) and np.nanmax(np.abs(beside[name])) > _LARGEST_RAD:
         return replace(meaning, unit=UNKNOWN_UNIT)
+    phoenix = _PHOENIX.search(name)
+    if phoenix and not meaning.unit:
+        return replace(meaning, unit="turns" if phoenix.group(1) == "Position" else "turns/s")
     kuka = _KUKA.search(name)
     if kuka:
         channel = "position" if kuka.group(1) == "I" else "position_reference"

@@ -13,7 +13,6 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.columns import Columns, Contents, flatten_arrays
 from fricomp.recording.sources.hdf5_file import is_hdf5, read_hdf5
 from fricomp.recording.sources.json_table import tabulate
@@ -60,8 +59,7 @@ def read_npz(path: Path, source: Source) -> Columns:
                 "q and tau of float"
             )
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files if name in plain}
-            return flatten_arrays(_list_fields(_name_columns(arrays)))
+            return flatten_arrays(_list_fields({name: archive[name] for name in archive.files if name in plain}))
     except (*_DAMAGED, BadZipFile) as error:
         raise RecordingError(f"{path} is no numpy archive of numbers: {error}") from error
 
@@ -75,23 +73,6 @@ def read_npy(path: Path, source: Source) -> Columns:
     except _DAMAGED as error:
         raise RecordingError(f"{path} is no numpy array of numbers: {error}") from error
     return flatten_arrays(_list_fields({"": array} if array.dtype.names else {"array": np.atleast_2d(array)}))
-
-
-_NAMES_OF_COLUMNS = ("columns", "names", "labels", "header", "fields", "keys", "channels")
-"""What an array of words is called that has one for each column of a matrix beside it."""
-
-
-def _name_columns(arrays: Mapping[str, Any]) -> dict[str, Any]:
-    """Arrays by name, with the columns of a matrix by the words of an array beside it."""
-    said = [one for name, one in arrays.items() if name.lower() in _NAMES_OF_COLUMNS and one.dtype.kind == "U"]
-    said = [one for one in said if count_known([str(word) for word in one.flat]) > 1]  # joints are called otherwise
-    named = dict(arrays)
-    for name, matrix in arrays.items():
-        words = next((one for one in said if matrix.ndim == 2 and one.shape == matrix.shape[1:]), None)
-        if words is not None and len(set(words)) == words.size:
-            del named[name]
-            named |= {str(word): column for word, column in zip(words, matrix.T, strict=True)}
-    return named
 
 
 def _list_fields(arrays: Mapping[str, Any]) -> dict[str, Any]:

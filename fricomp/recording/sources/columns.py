@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column
 from fricomp.recording.sources.cell import parse_number
-from fricomp.recording.sources.entry_names import find_entry_names, tell_entries_apart
+from fricomp.recording.sources.entry_names import find_column_names, find_entry_names, tell_entries_apart
 from fricomp.untrusted import require_filled
 
 Columns = dict[Column, NDArray[np.float64]]
@@ -54,11 +54,12 @@ def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
     """Give every numeric array a name: vectors `name`, column k of a matrix `name:k`.
 
     A matrix that stands alone also answers to the numbers of its columns, and one of as many columns as there are names
-    in a list beside it to `<name>.<matrix>`.
+    in a list beside it to `<name>.<matrix>`; where these are names of quantities, the columns are called so.
     """
     columns: Columns = {}
     arrays = {name: np.asarray(value) for name, value in arrays.items()}
-    entries = find_entry_names(arrays)
+    called = find_column_names(arrays)
+    entries = [] if called else find_entry_names(arrays)
     lengths = {array.size for array in arrays.values() if max(array.shape, default=0) == array.size}
     for name, array in arrays.items():
         if array.dtype.kind not in "buif":
@@ -68,7 +69,8 @@ def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
             columns[name] = np.atleast_1d(matrix)
         elif matrix.ndim == 2:
             each = list(matrix.T)
-            columns.update({f"{name}:{k}": column for k, column in enumerate(each, start=1)})
+            names = called if len(called) == len(each) else [f"{name}:{k}" for k in range(1, len(each) + 1)]
+            columns.update(zip(names, each, strict=True))
             if len(arrays) == 1:
                 columns.update(enumerate(each, start=1))
             if len(entries) == len(each):

@@ -1,18 +1,35 @@
 """Names that stand in a list beside lists of numbers, as in a `JointState`: whose each entry is."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+
+from fricomp.recording.quantity_word import count_known
 
 NAMES_OF_ENTRIES = ("name", "names", "joint_names", "joint_name", "joints", "motor_names", "motors")
 """What such a list of names is called."""
 
 
-def find_entry_names(record: Mapping[str, Any]) -> list[str]:
-    """The names of the entries of the lists in a record; empty where it has none, or one comes twice."""
+_NAMES_OF_COLUMNS = (*NAMES_OF_ENTRIES, "columns", "labels", "header", "fields", "channels", "keys", "legend")
+"""What a list of the names of a matrix' columns is called."""
+
+
+def find_column_names(record: Mapping[str, Any]) -> list[str]:
+    """The names of the columns of a matrix beside them: of quantities, and not of joints; empty where none are."""
+    names = find_entry_names(record, _NAMES_OF_COLUMNS)
+    return names if count_known(names) > 1 else []
+
+
+def find_entry_names(record: Mapping[str, Any], called: Collection[str] = NAMES_OF_ENTRIES) -> list[str]:
+    """The names of the entries of the lists in a record; empty where it has none, or one comes twice.
+
+    Args:
+        record: Lists and others by name.
+        called: What such a list is called.
+    """
     for key, value in record.items():
-        if key.rpartition(".")[2].lower() not in NAMES_OF_ENTRIES:
+        if key.rpartition(".")[2].lower() not in called:
             continue
         if isinstance(value, np.ndarray) and value.ndim != 1:
             continue

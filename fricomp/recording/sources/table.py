@@ -8,6 +8,7 @@ import numpy as np
 
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
+from fricomp.recording.sources.cell import is_entry, read_number
 from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.sources.entry_names import NAMES_OF_ENTRIES
 from fricomp.recording.unit import UNITS
@@ -19,6 +20,8 @@ _ARROW = (".feather", ".arrow", ".ipc")
 """Suffixes of the same tables as Arrow keeps them."""
 _INDEX = "__index_level_"
 """How pandas calls an index without a name."""
+_TRIED = 50
+"""Words of a column by which it is told whether they are numbers."""
 _LEVELS = 4
 """Folders above an episode in which its data set is looked for."""
 
@@ -138,7 +141,7 @@ def _columns_of(name: str, values: list[Any], entries: list[str]) -> Columns:
     lists = [value for value in values if isinstance(value, list)]
     if not lists:
         if any(isinstance(value, str | bytes | dict) for value in values):
-            return {}
+            return _read_words(name, values)
         return {name: np.array([np.nan if value is None else value for value in values], dtype=np.float64)}
     width = max(map(len, lists))
     require_filled(len(values), width, sum(map(len, lists)))
@@ -148,6 +151,16 @@ def _columns_of(name: str, values: list[Any], entries: list[str]) -> Columns:
         row[: len(numbers)] = numbers
     found: Columns = {f"{name}:{k}": column for k, column in enumerate(matrix.T, start=1)}
     return found | {f"{name}.{entry}": column for entry, column in zip(entries, matrix.T, strict=False)}
+
+
+def _read_words(name: str, values: list[Any]) -> Columns:
+    """A column of numbers or dates that are written as words; nothing where they are others."""
+    said = [value for value in values if value]
+    if not all(isinstance(value, str) for value in said) or not all(map(is_entry, said[:_TRIED])):
+        return {}
+    if len({value[:1] for value in said[:_TRIED]} & {"[", "("}) > 0:
+        return {}
+    return {name: np.array([read_number(value) if value else np.nan for value in values])}
 
 
 def _entry_names(path: Path) -> dict[str, list[str]]:

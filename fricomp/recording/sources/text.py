@@ -32,6 +32,8 @@ _KINDS = {
     b"TDSm": "a LabVIEW TDMS (.tdms)",
 }  # fmt: skip
 """First bytes of formats that are called as texts at times."""
+_NULS = re.compile("\0{8,}")
+"""What a card holds where power failed before it was written: the rows that it cuts are none."""
 _HEADING = 4000
 """Characters of a text in which its names are looked for."""
 _CELL = re.compile(r"[^,;\t|\r\n]+")
@@ -97,6 +99,8 @@ def read_lines(path: Path) -> list[str]:
     if path.stat().st_size > find_size_limit(path):
         raise RecordingError(f"{path} is too large for a log of text: cut it, or write it as Parquet")
     text = path.read_text(encoding=find_encoding(path), errors="replace")
+    if "\0" in text:
+        text = _NULS.sub("?\n?", text)
     return as_table(text.splitlines(), is_whole=text.endswith("\n"))
 
 
@@ -154,7 +158,7 @@ def _decode(start: bytes, encoding: str) -> str | None:
         text = codecs.getincrementaldecoder(encoding)().decode(start)
     except UnicodeDecodeError:
         return None
-    return None if "\0" in text else text
+    return None if "\0" in _NULS.sub("", text) else text
 
 
 def _count_words(text: str) -> int:
