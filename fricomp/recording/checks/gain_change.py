@@ -282,7 +282,7 @@ def _is_borne_out(joint: _Joint, kind: _Kind, fit: _Fit, velocity: Samples) -> b
     if not levels.size:
         return True
     ratio = float(np.median(np.log(levels[:, 1] / levels[:, 0])))
-    return abs(ratio - np.log(fit.factor)) < abs(ratio)
+    return bool(abs(ratio - np.log(fit.factor)) < abs(ratio))
 
 
 def _count_alike(left: Samples) -> float:

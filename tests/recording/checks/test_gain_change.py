@@ -122,6 +122,7 @@ def test_strokes_at_several_speeds_by_a_coarse_encoder_are_no_step(seed: int, pe
     wanted = np.concatenate([np.repeat([speed, -speed], int(1.6 / speed / period)) for speed in speeds])
     velocity = np.convolve(wanted, np.ones(60) / 60.0, mode="same")
     torque = 2.8 * np.tanh(velocity / 1e-3) + 1.4 * velocity + 0.2 * np.gradient(velocity, period)
-    torque = np.round(torque + rng.normal(0.0, 0.03, velocity.size), 2)
-    log = Recording(period * np.arange(velocity.size), np.round(period * np.cumsum(velocity), 2), torque)
+    torque = np.asarray(np.round(torque + rng.normal(0.0, 0.03, velocity.size), 2), dtype=np.float64)
+    time = np.asarray(period * np.arange(velocity.size), dtype=np.float64)
+    log = Recording(time, np.round(period * np.cumsum(velocity), 2), torque)
     assert _list_codes(log) == []

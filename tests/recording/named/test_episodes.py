@@ -74,7 +74,7 @@ def test_numbers_and_dates_that_are_words_in_parquet_are_read(tmp_path: Path) ->
 @pytest.mark.parametrize("called", ["names", "columns", "legend"])
 def test_a_matrix_is_named_by_the_quantities_beside_it_and_not_by_joints(tmp_path: Path, called: str) -> None:
     matrix = np.column_stack([LOG.time, LOG.position, LOG.torque])
-    np.savez(tmp_path / "log.npz", data=matrix, **{called: np.array(["time", "position", "torque"])})
+    np.savez(tmp_path / "log.npz", data=matrix, **{called: np.array(["time", "position", "torque"])})  # type: ignore[arg-type]
     np.testing.assert_array_equal(_read(tmp_path / "log.npz").torque, LOG.torque)
     np.savez(tmp_path / "arm.npz", q=matrix, names=np.array(["hip", "knee", "toe"]))
     assert "hip.q" in read_named_columns(tmp_path / "arm.npz")
