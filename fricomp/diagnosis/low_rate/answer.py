@@ -14,7 +14,7 @@ from fricomp.recording import Recording
 from ..inputs.given import Given
 from ..record.result import Diagnosis
 from .models import write_plain_model
-from .search import Found, choose_effects, refine_delay
+from .search import Found, choose_effects, fit_plain_joint
 from .settings import LOW_RATE
 from .writing import write_answer
 
@@ -28,6 +28,7 @@ def is_low_rate(recordings: Sequence[Recording]) -> bool:
     return any(recording.sample_period > LOW_RATE.longest_period for recording in recordings)
 
 
+@np.errstate(over="ignore")  # friction that falls over next to no speed
 def diagnose_low_rate(given: Given, remarks: Sequence[str] = (), say: Progress | None = None) -> Diagnosis:
     """Compare a plain joint with one that has a load, a ripple or a delay, by their errors on data left out.
 
@@ -47,11 +48,11 @@ def diagnose_low_rate(given: Given, remarks: Sequence[str] = (), say: Progress |
         period = max(one.sample_period for one in given.recordings)
         tell("fitting the plain joint")
         plain = write_plain_model(given.recordings, motion)
-        base = refine_delay(plain, motion, period)
+        base = fit_plain_joint(plain, motion, period)
         tell("trying what sliding shows at this rate")
         found = Found(_measure_repeats(given.recordings), (base,))
         if not found.is_held:
-            found = choose_effects(base, motion, period, found.repeats)
+            found = choose_effects(base, motion, period, found.repeats, given.rigid)
     except (RecordingError, ParameterError, np.linalg.LinAlgError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
     return write_answer(given, motion, found, (*remarks, *short))

@@ -8,11 +8,12 @@ import numpy as np
 
 from fricomp.evaluation import RecordedMotion, compute_missing_torque, refit_model, split_folds
 from fricomp.model import FrictionModel
+from fricomp.root_mean_square import compute_rms
 
 from ..inputs.track import FloatArray
 from .settings import LOW_RATE
 
-__all__ = ["Fitted", "compute_fall", "fit_held_out"]
+__all__ = ["Fitted", "compute_fall", "fit_held_out", "measure_acceleration", "measure_level", "read_number"]
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,13 @@ class Fitted:
         folds: Fitted to all but each fold.
         left: Torque that the folds' models leave on their own blocks, one part after the other; NaN where the joint
             does not move [N·m]. Shape (n,).
+        held: Names of the law, dotted, or of the dynamics, that stayed as they were.
     """
 
     model: FrictionModel
     folds: tuple[FrictionModel, ...]
     left: FloatArray
+    held: tuple[str, ...] = ()
 
     @property
     def rms(self) -> float:
@@ -47,21 +50,22 @@ def read_number(model: FrictionModel, name: str) -> float:
     return parameters[name] if name in parameters else float(getattr(model.dynamics, name))
 
 
-def fit_held_out(model: FrictionModel, motion: RecordedMotion) -> Fitted:
-    """Fit all numbers of a model to a motion, and to all of it but each fold.
+def fit_held_out(model: FrictionModel, motion: RecordedMotion, held: tuple[str, ...] = ()) -> Fitted:
+    """Fit the numbers of a model to a motion, and to all of it but each fold.
 
     Args:
         model: To start from; with its dynamics.
         motion: What it is fitted to.
+        held: Numbers that stay as they are.
     """
-    found = refit_model(model, [motion])
+    found = refit_model(model, [motion], held=held)
     parts = [np.full(part.time.size, np.nan) for part in motion.parts]
     for one, spans in zip(found.folds, split_folds(motion), strict=True):
         for left, part, into in zip(compute_missing_torque(one, motion), motion.parts, parts, strict=True):
             for a, b in spans:
                 rows = (part.time >= a) & (part.time < b) & part.moves
                 into[rows] = left[rows]
-    return Fitted(found.model, found.folds, np.concatenate(parts))
+    return Fitted(found.model, found.folds, np.concatenate(parts), held)
 
 
 def compute_fall(before: Fitted, after: Fitted) -> tuple[float, float, tuple[float, float]]:
@@ -77,3 +81,14 @@ def compute_fall(before: Fitted, after: Fitted) -> tuple[float, float, tuple[flo
     low, high = np.quantile(1.0 - np.sqrt(sums[1] / sums[0]), [0.025, 0.975])
     fall = 1.0 - float(energies[1].sum()) / max(float(energies[0].sum()), 1e-300)
     return fall, float(np.mean(energies[1] < energies[0])), (float(low), float(high))
+
+
+def measure_level(fit: Fitted, motion: RecordedMotion) -> float:
+    """Size of the sliding friction of a fit over the motion [N·m]."""
+    speed = np.concatenate([part.smooth_velocity[part.moves] for part in motion.parts])
+    return compute_rms(np.asarray(fit.model.torque(speed)))
+
+
+def measure_acceleration(motion: RecordedMotion) -> float:
+    """RMS where the joint moves [rad/s²] or [m/s²]."""
+    return compute_rms(np.concatenate([part.acceleration[part.moves] for part in motion.parts]))

@@ -8,13 +8,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricomp.evaluation import RecordedMotion
-from fricomp.laws import COGGING_TERMS, Coulomb, FrictionLaw, LoadCoulomb, Term, Viscous
+from fricomp.laws import (
+    COGGING_TERMS,
+    POSITION_COULOMB_TERMS,
+    Cogging,
+    Coulomb,
+    EndStop,
+    FrictionLaw,
+    LoadCoulomb,
+    PositionCoulomb,
+    QuadraticDrag,
+    SpringTorque,
+    Stribeck,
+    StribeckCurve,
+    Term,
+    Viscous,
+)
 from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
 from fricomp.recording import Recording
 from fricomp.root_mean_square import compute_rms
 
 from ..inputs.track import FloatArray
-from .held_out import Fitted
+from .held_out import Fitted, measure_level
 from .settings import LOW_RATE
 
 
@@ -27,12 +42,14 @@ class Candidate:
         model: To start the fit from.
         numbers: Its own numbers: names in the model.
         matters: Part of the held-out energy that it has to take.
+        held: Numbers of the model that stay as they are.
     """
 
     name: str
     model: FrictionModel
     numbers: tuple[str, ...]
     matters: float
+    held: tuple[str, ...] = ()
 
 
 def write_plain_model(recordings: Sequence[Recording], motion: RecordedMotion) -> FrictionModel:
@@ -76,17 +93,59 @@ def list_candidates(base: Fitted, motion: RecordedMotion, period: float, *, may_
         period: Of the samples [s].
         may_be_late: Whether delays are tried.
     """
-    names = {term.name for term in base.model.law.terms}
-    load = _measure_load(base.model, motion)
-    if "load_coulomb" not in names and load > LOW_RATE.load_matters * base.rms:
+    for one in _list_laws(base, motion):
+        yield replace(one, held=tuple(dict.fromkeys((*base.held, *one.held))))
+    for delay in LOW_RATE.delays if may_be_late else ():
+        late = replace_delay(base.model, delay * period)
+        yield Candidate("torque_delay", late, ("torque_delay",), LOW_RATE.matters, base.held)
+
+
+def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
+    """Terms that the law of a fit may lack, each where the motion can show it."""
+    has, rows = {term.name for term in base.model.law.terms}, _Rows.gather(base, motion)
+    if "load_coulomb" not in has and _measure_load(base.model, motion) > LOW_RATE.load_matters * measure_level(
+        base, motion
+    ):
         loaded = _add(base.model, LoadCoulomb(0.05))
         yield Candidate("load_coulomb", loaded, ("load_coulomb.coefficient",), LOW_RATE.matters)
-    ripple = _find_ripple(base, motion)
-    if ripple is not None and not names & {term.name for term in COGGING_TERMS}:
-        numbers = tuple(f"cogging.{name}" for name in ("sine", "cosine", "order"))
-        yield Candidate("cogging", _add(base.model, ripple), numbers, LOW_RATE.ripple_matters)
-    for delay in LOW_RATE.delays if may_be_late else ():
-        yield Candidate("torque_delay", replace_delay(base.model, delay * period), ("torque_delay",), LOW_RATE.matters)
+    for term in (COGGING_TERMS[0], POSITION_COULOMB_TERMS[0]):
+        wave = None if term.name in has else _find_wave(rows, motion, term)
+        if wave is not None:
+            numbers = tuple(f"{term.name}.{name}" for name in ("sine", "cosine", "order"))
+            yield Candidate(term.name, _add(base.model, wave), numbers, LOW_RATE.ripple_matters)
+    if "quadratic_drag" not in has:
+        drag = QuadraticDrag(base.rms / max(float(np.mean(rows.velocity**2)), 1e-12))
+        yield Candidate("quadratic_drag", _add(base.model, drag), ("quadratic_drag.coefficient",), LOW_RATE.matters)
+    if "spring_torque" not in has:
+        yield add_spring(base, motion)
+    stop = None if "end_stop" in has else _find_stop(rows)
+    if stop is not None:
+        held = ("end_stop.damping", "end_stop.travel", "end_stop.hardening")
+        numbers = ("end_stop.stiffness", "end_stop.edge")
+        yield Candidate("end_stop", _add(base.model, stop), numbers, LOW_RATE.matters, held)
+
+
+def add_spring(base: Fitted, motion: RecordedMotion) -> Candidate:
+    """A spring at rest in the middle: where it is at rest and an offset are one."""
+    rows = _Rows.gather(base, motion)
+    start = SpringTorque(base.rms / max(float(np.std(rows.position)), 1e-12), float(np.mean(rows.position)))
+    held = (*base.held, "spring_torque.centre", "spring_torque.hardening")
+    return Candidate("spring_torque", _add(base.model, start), ("spring_torque.stiffness",), LOW_RATE.matters, held)
+
+
+def bend_curve(model: FrictionModel) -> FrictionModel:
+    """The plain joint with friction that falls from rest, to start a fit from."""
+    curve, speed = model.law.parameters(), LOW_RATE.falls_by * model.validity.velocity[1]
+    coulomb, viscous = curve["coulomb.coulomb_torque"], curve["viscous.viscous_coefficient"]
+    falling = StribeckCurve(coulomb, LOW_RATE.rises * coulomb, speed, viscous)
+    return model.with_law(FrictionLaw((Stribeck(falling),)))
+
+
+def leave_out(model: FrictionModel, name: str) -> FrictionModel:
+    """The model without a term, or without a delay."""
+    if name == "torque_delay":
+        return replace_delay(model, 0.0)
+    return model.with_law(FrictionLaw(tuple(term for term in model.law.terms if term.name != name)))
 
 
 def replace_delay(model: FrictionModel, delay: float) -> FrictionModel:
@@ -116,23 +175,67 @@ def find_highest_order(motion: RecordedMotion) -> float:
     return 2.0 * np.pi * LOW_RATE.of_band * motion.band / max(float(np.median(speed)), 1e-12)
 
 
-def _find_ripple(base: Fitted, motion: RecordedMotion) -> Term | None:
+@dataclass(frozen=True)
+class _Rows:
+    """Samples in which the joint moves, and what a fit leaves of their torque. Shape (n,) each.
+
+    Attributes:
+        position: q [rad] or [m].
+        velocity: v [rad/s] or [m/s].
+        left: Torque that is left [N·m] or [N].
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    left: FloatArray
+
+    @classmethod
+    def gather(cls, base: Fitted, motion: RecordedMotion) -> _Rows:
+        """Of all parts of a motion."""
+        known = np.isfinite(base.left)
+        position, velocity = (
+            np.concatenate([getattr(part, name) for part in motion.parts])[known]
+            for name in ("position", "smooth_velocity")
+        )
+        return cls(position, velocity, base.left[known])
+
+
+def _find_wave(rows: _Rows, motion: RecordedMotion, term: type[Cogging | PositionCoulomb]) -> Term | None:
     """A wave of the order that explains most of what is left; None where the range holds no wave of the band."""
-    position = np.concatenate([part.position for part in motion.parts])
-    known = np.isfinite(base.left)
-    q, left = position[known], base.left[known]
+    q, sign = rows.position, np.ones(rows.left.size) if term is COGGING_TERMS[0] else np.sign(rows.velocity)
     step = 2.0 * np.pi / max(float(np.ptp(q)), 1e-12)
-    lowest, highest = LOW_RATE.orders_of_range * step, find_highest_order(motion)
+    fewest = LOW_RATE.orders_of_range if term is COGGING_TERMS[0] else LOW_RATE.levels_of_range
+    gravity = 1.0 if term is COGGING_TERMS[0] and motion.position_unit == "rad" else 0.0
+    lowest, highest = gravity + fewest * step, find_highest_order(motion)
     count = int((highest - lowest) / (LOW_RATE.order_steps * step)) + 1
     if highest <= lowest or count > LOW_RATE.most_orders:
         count, highest = LOW_RATE.most_orders, min(highest, lowest + LOW_RATE.most_orders * LOW_RATE.order_steps * step)
     if highest <= lowest:
         return None
-    orders = np.linspace(lowest, highest, count)
-    best = max(orders, key=lambda order: abs(complex(np.mean(left * np.exp(1j * order * q)))))
-    waves = np.column_stack([np.sin(best * q), np.cos(best * q)])
-    sine, cosine = _solve(waves, left)
-    return COGGING_TERMS[0](float(sine), float(cosine), float(best))
+    orders, signed = np.linspace(lowest, highest, count), rows.left * sign
+    best = max(orders, key=lambda order: abs(complex(np.mean(signed * np.exp(1j * order * q)))))
+    waves = np.column_stack([sign * np.sin(best * q), sign * np.cos(best * q)])
+    sine, cosine = _solve(waves, rows.left)
+    return term(float(sine), float(cosine), float(best))
+
+
+def _find_stop(rows: _Rows) -> EndStop | None:
+    """A stop at the edge, of those off both ends of the range, that explains most of what is left beside gravity and
+    inertia, which a fit without a stop bends; None where none pushes back."""
+    q = rows.position
+    plain = np.column_stack([np.ones(q.size), np.sin(q), np.cos(q), np.sign(rows.velocity), rows.velocity])
+    found = []
+    for side in (1.0, -1.0):
+        for edge in np.quantile(side * q, LOW_RATE.stop_edges):
+            depth = side * np.maximum(side * q - edge, 0.0)
+            numbers = _solve(np.column_stack([plain, depth]), rows.left)
+            left = rows.left - np.column_stack([plain, depth]) @ numbers
+            if numbers[-1] > 0.0:
+                found.append((float(left @ left), float(numbers[-1]), side * float(edge), side))
+    if not found:
+        return None
+    _, stiffness, edge, side = min(found)
+    return EndStop(stiffness, edge, side)
 
 
 def _solve(columns: FloatArray, target: FloatArray) -> FloatArray:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fricomp.evaluation import RecordedMotion
 from fricomp.model import FrictionModel
-from fricomp.root_mean_square import compute_rms
 
+from ..inputs.rigid import RigidJoint
 from ..record.result import Rival
-from .held_out import Fitted, compute_fall, fit_held_out, read_number
-from .models import Candidate, list_candidates, replace_delay
+from .held_out import Fitted, compute_fall, fit_held_out, measure_level, read_number
+from .models import Candidate, add_spring, bend_curve, leave_out, list_candidates, replace_delay
 from .settings import LOW_RATE
 
 _SMALL = "it lowers the error on data left out by too little, or not in most blocks of time"
@@ -56,22 +56,41 @@ class Found:
         return list(zip(self.named, self.fits[:-1], self.fits[1:], strict=True))
 
 
-def refine_delay(model: FrictionModel, motion: RecordedMotion, period: float, about: float = 0.0) -> Fitted:
+def _refine_delay(
+    model: FrictionModel, motion: RecordedMotion, period: float, about: float = 0.0, held: tuple[str, ...] = ()
+) -> Fitted:
     """The fit with the delay that leaves the least on data left out, within half a period of `about` [s]."""
-    fit = _fit_delays(model, motion, [about + period * one for one in LOW_RATE.usual_delays])
+    fit = _fit_delays(model, motion, [about + period * one for one in LOW_RATE.usual_delays], held)
     for step in LOW_RATE.delay_steps:
         own = read_number(fit.model, "torque_delay")
         near = np.clip([own - step * period, own, own + step * period], about - 0.5 * period, about + 0.5 * period)
-        fit = _fit_delays(fit.model, motion, near.tolist())
+        fit = _fit_delays(fit.model, motion, near.tolist(), held)
     return fit
 
 
-def _fit_delays(model: FrictionModel, motion: RecordedMotion, delays: Sequence[float]) -> Fitted:
+def _fit_delays(model: FrictionModel, motion: RecordedMotion, delays: Sequence[float], held: tuple[str, ...]) -> Fitted:
     """The fit with the delay that leaves the least on data left out."""
-    return min((fit_held_out(replace_delay(model, one), motion) for one in delays), key=lambda fit: fit.rms)
+    return min((fit_held_out(replace_delay(model, one), motion, held) for one in delays), key=lambda fit: fit.rms)
 
 
-def choose_effects(base: Fitted, motion: RecordedMotion, period: float, repeats: float) -> Found:
+def fit_plain_joint(plain: FrictionModel, motion: RecordedMotion, period: float) -> Fitted:
+    """The joint that effects are looked for beside; its friction falls from rest where that lowers the error on data
+    left out enough.
+
+    Args:
+        plain: Coulomb and viscous friction, inertia and gravity, to start from.
+        motion: What is fitted.
+        period: Of the samples [s].
+    """
+    base = _refine_delay(plain, motion, period)
+    bent = _refine_delay(bend_curve(base.model), motion, period, held=("symmetric_stribeck.stribeck_exponent",))
+    curve = Candidate("", bent.model, (), LOW_RATE.matters)
+    return bent if _is_worth(curve, (base, bent), measure_level(base, motion)) else base
+
+
+def choose_effects(
+    base: Fitted, motion: RecordedMotion, period: float, repeats: float, given: RigidJoint | None
+) -> Found:
     """Add the effect that lowers the held-out error most, as long as one does enough.
 
     Args:
@@ -79,16 +98,18 @@ def choose_effects(base: Fitted, motion: RecordedMotion, period: float, repeats:
         motion: What was recorded, in its band.
         period: Of the rows [s].
         repeats: Part of the rows in motion whose position is that of the one before.
+        given: The simulation; None where there is none.
     """
-    fits: list[Fitted] = [base]
-    named: list[Candidate] = []
+    level = measure_level(base, motion)
+    sprung = None if given is None else _find_spring(base, motion, given, level)
+    fits, named = ([base], []) if sprung is None else ([sprung[0], sprung[2]], [sprung[1]])
     rivals: list[Rival] = []
-    about, level = 0.0, _measure_level(base, motion)
+    about = 0.0
     while True:
         late = all(one.name != "torque_delay" for one in named)
         good = []
         for one in list_candidates(fits[-1], motion, period, may_be_late=late):
-            fit = fit_held_out(one.model, motion)
+            fit = fit_held_out(one.model, motion, one.held)
             fall, _, _ = compute_fall(fits[-1], fit)
             worth = _is_worth(one, (fits[-1], fit), level)
             rivals.append(Rival(effects=(one.name,), gain=fall, refused="" if worth else _SMALL))
@@ -98,7 +119,36 @@ def choose_effects(base: Fitted, motion: RecordedMotion, period: float, repeats:
         _, best, fit = max(good, key=lambda one: one[0])
         named.append(best)
         about = read_number(fit.model, "torque_delay") if best.name == "torque_delay" else about
-        fits.append(refine_delay(fit.model, motion, period, about))
+        fits.append(_refine_delay(fit.model, motion, period, about, fit.held))
+        fits, named = _leave_out_needless(fits, named, motion, level)
+
+
+def _leave_out_needless(
+    fits: list[Fitted], named: list[Candidate], motion: RecordedMotion, level: float
+) -> tuple[list[Fitted], list[Candidate]]:
+    """The fits and what each adds, without an earlier one that stood in for the last: beside it, it takes nothing."""
+    for k, one in enumerate(named[:-1]):
+        less = fit_held_out(leave_out(fits[-1].model, one.name), motion, fits[-1].held)
+        if not _is_worth(one, (less, fits[-1]), level):
+            rest, steps = named[:k] + named[k + 1 :], [less]
+            for later in reversed(rest[k + 1 :]):
+                steps.insert(0, fit_held_out(leave_out(steps[0].model, later.name), motion, less.held))
+            return fits[:k] + steps, rest
+    return fits, named
+
+
+def _find_spring(
+    base: Fitted, motion: RecordedMotion, given: RigidJoint, level: float
+) -> tuple[Fitted, Candidate, Fitted] | None:
+    """A spring beside the simulation's gravity, the fit without it and that with it, where it leaves no more than
+    another gravity does: over a short range the two bend alike, and a simulation is not departed from without need."""
+    assert base.model.dynamics is not None
+    cosine, sine = given.gravity
+    body = replace(base.model.dynamics, gravity_cosine=cosine, gravity_sine=sine)
+    own = fit_held_out(replace(base.model, dynamics=body), motion, (*base.held, "gravity_cosine", "gravity_sine"))
+    spring = add_spring(own, motion)
+    fit = fit_held_out(spring.model, motion, spring.held)
+    return (own, spring, fit) if fit.rms <= base.rms and _is_worth(spring, (own, fit), level) else None
 
 
 def _is_worth(one: Candidate, fits: tuple[Fitted, Fitted], level: float) -> bool:
@@ -118,12 +168,6 @@ def _is_worth(one: Candidate, fits: tuple[Fitted, Fitted], level: float) -> bool
     strays = [LOW_RATE.certain * after.deviation(name) for name in own]
     known = not own or float(np.hypot.reduce(sizes)) > float(np.hypot.reduce(strays))
     return sure and known and size >= LOW_RATE.of_friction * level
-
-
-def _measure_level(base: Fitted, motion: RecordedMotion) -> float:
-    """Size of the sliding friction over the motion [N·m]."""
-    speed = np.concatenate([part.smooth_velocity[part.moves] for part in motion.parts])
-    return compute_rms(np.asarray(base.model.torque(speed)))
 
 
 def _keep_best_of_each(rivals: Sequence[Rival]) -> tuple[Rival, ...]:

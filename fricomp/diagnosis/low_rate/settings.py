@@ -24,8 +24,17 @@ class LowRateSettings:
     """Part of the blocks of time in which the error has to fall; by chance it is a half."""
     ripple_matters: float = 0.08
     """The same part for a ripple, which is the best of many orders."""
-    orders_of_range: float = 3.0
-    """Waves in the range of the position, from which on a wave is a ripple and no gravity or offset."""
+    orders_of_range: float = 1.5
+    """Waves in the range of the position, more than gravity has there, from which on a wave is a ripple and neither
+    gravity nor a spring."""
+    rises: float = 1.3
+    """Friction from rest over the Coulomb torque where the fit of a falling curve starts; it leads away from there."""
+    falls_by: float = 0.05
+    """Part of the top speed over which it falls there; the fit tries others."""
+    levels_of_range: float = 1.0
+    """The same for a level of friction that waves: nothing of the plain joint does."""
+    stop_edges: tuple[float, ...] = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.99)
+    """Quantiles of the position at which a stop is tried, from either end."""
     repeated: float = 0.15
     """Part of the rows in motion that repeat the position of the one before, above which its readings come more slowly
     than the rows: what they are late by looks like physics, and nothing is named."""
@@ -37,8 +46,9 @@ class LowRateSettings:
     """Orders that are tried at most."""
     of_band: float = 0.8
     """Part of the band in which the waves of a ripple have to pass at the usual speed."""
-    load_matters: float = 2.0
-    """Gravity over what the base leaves, below which a load does not show."""
+    load_matters: float = 0.1
+    """Deviation of the size of gravity over the sliding friction, from which on friction that grows with it is tried: a
+    coefficient of 0.3, the largest that is usual, then makes as much as an effect has to."""
     usual_delays: tuple[float, ...] = (-0.5, -0.25, 0.0, 0.25, 0.5)
     """Delays of the torque that no log tells from none, in sample periods: a command is held for a sample, a reading is
     of some instant in it. The best is the plain joint's."""

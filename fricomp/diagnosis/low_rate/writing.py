@@ -16,13 +16,14 @@ from fricomp.root_mean_square import compute_rms
 
 from ..delivery.models import Delivery, deliver_models
 from ..effects import EFFECTS
+from ..evidence.comparison import Comparison
+from ..evidence.in_place import BODY_SHIFTS
 from ..evidence.needs import find_one_way
 from ..inputs.given import Given
 from ..inputs.signal import differentiate
 from ..inputs.track import FloatArray, find_calm_samples, measure_torque_noise
 from ..record.result import (
     DIAGNOSIS_SCHEMA,
-    Change,
     Diagnosis,
     DiagnosisRecord,
     Evidence,
@@ -33,20 +34,15 @@ from ..record.result import (
     VerdictName,
 )
 from ..record.sentence import WITHOUT_SIMULATION, Notes, write_record
-from .held_out import Fitted, compute_fall, read_number
+from .body import compare_body, name_shift, put_back
+from .held_out import Fitted, compute_fall, measure_acceleration, measure_level, read_number
 from .models import Candidate, find_highest_order
 from .search import Found
 from .settings import LOW_RATE
 
-_BASE = {
-    "coulomb.coulomb_torque": "coulomb_torque",
-    "viscous.viscous_coefficient": "viscous_coefficient",
-    "inertia": "inertia",
-    "gravity_cosine": "gravity_cosine",
-    "gravity_sine": "gravity_sine",
-    "offset": "offset",
-    "torque_delay": "torque_delay",
-}
+_LATE_FRICTION = ("frictional_lag", "presliding_hysteresis")
+"""What turns friction over late after a reversal, which at such rates is all that is seen of a late torque."""
+_BODY = ("inertia", "gravity_cosine", "gravity_sine", "offset", "torque_delay")
 
 
 def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Sequence[str]) -> Diagnosis:
@@ -62,8 +58,10 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     effects = tuple(_describe(step, found, motion) for step in found.steps if step[0].name not in against)
     noise = _measure_noise(given.recordings, motion)
     floor = min(noise, found.last.rms)
-    changes = _list_changes(given, found.last)
-    word = _choose_word(effects, changes, is_unknown=_leaves_much(found, motion, noise))
+    is_unknown = _leaves_much(found, motion, noise)
+    body = Comparison() if is_unknown else compare_body(given.rigid, found.last, motion)
+    effects += tuple(name_shift(one) for one in body.shifts)
+    word = _choose_word(effects, is_unknown=is_unknown)
     fall, _, ends = compute_fall(found.base, found.last)
     explained = float(np.clip(fall / max(1.0 - (floor / found.base.rms) ** 2, 1e-12), 0.0, 1.0))
     delivery = _deliver(given, motion, found, effects)
@@ -79,7 +77,7 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
         noise_ratio=found.base.rms / floor,
         coverage=explained if effects else None,
         base=_list_base(found.base, motion),
-        changes=changes,
+        changes=body.changes,
         rivals=found.rivals,
         recordings=given.names,
         joint=given.recordings[0].metadata.joint,
@@ -100,14 +98,15 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     )
 
 
-def _choose_word(effects: Sequence[NamedEffect], changes: Sequence[Change], *, is_unknown: bool) -> VerdictName:
-    if any(one.kind == "physics" for one in effects):
+def _choose_word(effects: Sequence[NamedEffect], *, is_unknown: bool) -> VerdictName:
+    kinds = {one.kind for one in effects}
+    if "physics" in kinds:
         return "missing_physics"
     if is_unknown:
         return "unknown_physics"
-    if effects:
+    if "measurement" in kinds:
         return "measurement"
-    return "parameters" if changes else "consistent"
+    return "parameters" if effects else "consistent"
 
 
 def _leaves_much(found: Found, motion: RecordedMotion, noise: float) -> bool:
@@ -123,15 +122,14 @@ def _measure_torque(motion: RecordedMotion) -> float:
 
 def _deliver(given: Given, motion: RecordedMotion, found: Found, effects: Sequence[NamedEffect]) -> Delivery:
     """The models that are handed over with the answer; the extended one where physics is missing."""
-    last = found.last.model
-    if all(one.kind != "physics" for one in effects):
-        missing, plain, extended = [], last, None
-    else:
-        known = {"torque_delay", *(term.name for term in last.law.terms)}
-        missing = [one.name for one in effects if one.name not in known]
-        plain, extended = found.base.model, _judge_model(last, motion)
+    last, extended = found.last, None
+    plain = last.model
+    if any(one.kind == "physics" for one in effects):
+        plain, extended = found.base.model, _judge_model(last.model, motion)
+    off = given.rigid if {one.name for one in effects} & set(BODY_SHIFTS) else None
+    as_given = None if off is None else put_back(off, last)
     judged, names = _judge_model(plain, motion), list(given.names)
-    return deliver_models(given.recordings, judged, extended, missing, names=names, whole=given.whole)
+    return deliver_models(given.recordings, judged, extended, names=names, whole=given.whole, given=as_given)
 
 
 def _write_opening(word: VerdictName, motion: RecordedMotion, given: Given) -> str:
@@ -157,7 +155,8 @@ def _list_facts(motion: RecordedMotion, found: Found) -> tuple[str, ...]:
         f"What was found leaves {last.rms:.3g} {unit} on data left out, {share:.2g} % of the torque's deviation, in "
         f"the band up to {motion.band:g} Hz.",
         f"At {1.0 / motion.dt:.3g} Hz breakaway, presliding, backlash and the course of a reversal fall between the "
-        "samples: nothing is said of them. Looked for were friction that grows with the load, a ripple up to the order "
+        "samples: nothing is said of them. Looked for were friction that grows with the load, with the square of the "
+        "speed, or over the angle, a spring, a stop, a ripple up to the order "
         f"{order:.3g} 1/{motion.position_unit}, and a delay of the torque; record at 300 Hz and more for the others.",
     )
 
@@ -168,7 +167,8 @@ def _describe(step: tuple[Candidate, Fitted, Fitted], found: Found, motion: Reco
     effect, last = EFFECTS[one.name], found.last
     units = {**last.model.law.units(motion.torque_unit, motion.position_unit), "torque_delay": "s"}
     least = {"torque_delay": 2.0 * LOW_RATE.delay_steps[-1] * motion.dt}
-    least["cogging.order"] = 2.0 * np.pi * LOW_RATE.order_known / motion.range
+    wave = 2.0 * np.pi * LOW_RATE.order_known / motion.range
+    least |= {"cogging.order": wave, "position_coulomb.order": wave}
     shown = {
         name.rsplit(".", 1)[-1]: _build_quantity(last, name, units[name], least.get(name, 0.0)) for name in one.numbers
     }
@@ -177,6 +177,7 @@ def _describe(step: tuple[Candidate, Fitted, Fitted], found: Found, motion: Reco
         name=one.name,
         kind="measurement" if one.name == "torque_delay" else "physics",
         parameters=shown,
+        indistinguishable_from=_LATE_FRICTION if one.name == "torque_delay" else (),
         share=float(np.clip(fall * (before.rms / found.base.rms) ** 2, 0.0, 1.0)),
         equation=effect.equation,
         sentence=effect.says,
@@ -195,27 +196,12 @@ def _build_quantity(fit: Fitted, name: str, unit: str, least: float = 0.0) -> Qu
 def _list_base(base: Fitted, motion: RecordedMotion) -> dict[str, Quantity]:
     assert base.model.dynamics is not None
     torque, position = motion.torque_unit, motion.position_unit
-    units = {**base.model.dynamics.units(torque, position), "coulomb.coulomb_torque": torque}
-    units["viscous.viscous_coefficient"] = f"{torque}·s/{position}"
-    least = {"torque_delay": 0.5 * motion.dt}
-    return {said: _build_quantity(base, name, units[name], least.get(name, 0.0)) for name, said in _BASE.items()}
-
-
-def _list_changes(given: Given, last: Fitted) -> tuple[Change, ...]:
-    """Inertia and gravity of the simulation that the recording moves by more than it leaves open."""
-    if given.rigid is None:
-        return ()
-    cosine, sine = given.rigid.gravity
-    told = {"inertia": (given.rigid.inertia, given.rigid.inertia)}
-    size = float(np.hypot(cosine, sine))
-    told |= {"gravity_cosine": (cosine, size), "gravity_sine": (sine, size)} if size > 0.0 else {}
-    found = []
-    for name, (value, scale) in told.items():
-        quantity = _build_quantity(last, name, "kg·m²" if name == "inertia" else "N·m")
-        low, high = quantity.ci95
-        if abs(quantity.value - value) > LOW_RATE.matters_given * scale and not low <= value <= high:
-            found.append(Change(name=name, given=value, refitted=quantity))
-    return tuple(found)
+    units = {**base.model.dynamics.units(torque, position), **base.model.law.units(torque, position)}
+    acceleration = measure_acceleration(motion)
+    inertia = LOW_RATE.of_friction * measure_level(base, motion) / max(acceleration, 1e-12)
+    least = {"torque_delay": 0.5 * motion.dt, "inertia": inertia}
+    names = [name for name in units if name in _BODY or (name in base.model.law.parameters() and name not in base.held)]
+    return {name.rsplit(".", 1)[-1]: _build_quantity(base, name, units[name], least.get(name, 0.0)) for name in names}
 
 
 def _measure_noise(recordings: Sequence[Recording], motion: RecordedMotion) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from fricomp.recording import Recording, RecordingMetadata
@@ -21,6 +23,7 @@ def slow_log(
     gravity: float = 0.0,
     load: float = 0.0,
     ripple: tuple[float, float] = (0.0, 0.0),
+    more: Callable[[float, float], float] | None = None,
     delay: float = 0.0,
 ) -> Recording:
     """A recording at `rate` [Hz] whose torque is stamped `delay` [s] late.
@@ -32,6 +35,7 @@ def slow_log(
         gravity: Torque of gravity, times the sine of the angle [N·m].
         load: Friction in parts of the size of gravity.
         ripple: Amplitude [N·m] and order [1/rad] of a torque over the angle.
+        more: Further torque against the motor, by position [rad] and velocity [rad/s] [N·m].
         delay: By how much the torque is stamped late.
     """
     rng = np.random.default_rng(seed)
@@ -46,7 +50,8 @@ def slow_log(
         torque = 60.0 * (r - q) + 4.0 * (s - v)
         rows[k] = q, torque
         weight, wave = gravity * np.sin(q), ripple[0] * np.sin(ripple[1] * q)
-        free = v + _STEP / INERTIA * (torque - VISCOUS * v - weight - wave)
+        further = 0.0 if more is None else more(q, v)
+        free = v + _STEP / INERTIA * (torque - VISCOUS * v - weight - wave - further)
         v = float(np.copysign(max(abs(free) - _STEP / INERTIA * (COULOMB + load * abs(weight)), 0.0), free))
         q += _STEP * v
     every = round(1.0 / rate / _STEP)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis import diagnose
+from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.low_rate.answer import is_low_rate
 from fricomp.recording import Recording, RecordingMetadata
 
@@ -49,12 +50,57 @@ def test_friction_that_grows_with_the_load_is_named(rate: float, seed: int, load
 
 
 @pytest.mark.slow
-def test_a_ripple_within_the_band_is_named() -> None:
-    (effect,) = diagnose(slow_log(40.0, 41, ripple=(0.1, 7.0))).effects
+@pytest.mark.parametrize(("size", "order"), [(0.1, 7.0), (0.2, 4.0)])
+def test_a_ripple_within_the_band_is_named(size: float, order: float) -> None:
+    (effect,) = diagnose(slow_log(40.0, 41, ripple=(size, order))).effects
     assert effect.name == "cogging"
     low, high = effect.parameters["order"].ci95
-    assert low <= 7.0 <= high
-    assert effect.parameters["sine"].value == pytest.approx(0.1, rel=0.1)
+    assert low <= order <= high
+    assert effect.parameters["sine"].value == pytest.approx(size, rel=0.1)
+
+
+def _simulate(inertia: float = INERTIA, gravity: float = 0.0) -> RigidJoint:
+    """What a simulation says of the joint."""
+    return RigidJoint(inertia, (0.0, gravity), 0.0, VISCOUS, COULOMB, rotary=True)
+
+
+@pytest.mark.slow
+def test_a_spring_is_no_gravity_that_the_simulation_lacks() -> None:
+    diagnosis = diagnose(slow_log(40.0, 81, more=lambda q, v: 0.5 * (q - 0.3)), _simulate())
+    (effect,) = diagnosis.effects
+    assert (diagnosis.verdict, effect.name) == ("missing_physics", "spring_torque")
+    low, high = effect.parameters["stiffness"].ci95
+    assert low <= 0.5 <= high
+
+
+@pytest.mark.slow
+def test_a_stop_is_named_with_its_edge() -> None:
+    (effect,) = diagnose(slow_log(50.0, 82, more=lambda q, v: -20.0 * max(-q - 1.0, 0.0))).effects
+    assert effect.name == "end_stop"
+    assert effect.parameters["edge"].value == pytest.approx(-1.0, abs=0.03)
+    assert effect.parameters["stiffness"].value == pytest.approx(20.0, rel=0.1)
+
+
+@pytest.mark.slow
+def test_friction_that_waves_with_the_angle_is_named() -> None:
+    level = 0.15
+    (effect,) = diagnose(slow_log(40.0, 83, more=lambda q, v: level * np.cos(4.0 * q) * np.sign(v))).effects
+    assert effect.name == "position_coulomb"
+    low, high = effect.parameters["order"].ci95
+    assert low <= 4.0 <= high
+    assert effect.parameters["cosine"].value == pytest.approx(level, rel=0.15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [(_simulate(gravity=2.5), ""), (_simulate(gravity=2.0), "payload_error"), (_simulate(0.04, 2.5), "inertia_error")],
+)
+def test_what_a_simulation_has_wrong_is_named(given: RigidJoint, name: str) -> None:
+    record = diagnose(slow_log(50.0, 84, gravity=2.5), given).record
+    assert [one.name for one in record.effects] == ([name] if name else [])
+    assert record.verdict == ("parameters" if name else "consistent")
+    assert bool(record.changes) == bool(name)
 
 
 @pytest.mark.slow

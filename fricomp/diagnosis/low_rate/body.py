@@ -1,0 +1,81 @@
+"""Inertia and gravity beside the simulation's at low rates, by the names of the catalogue."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fricomp.evaluation import RecordedMotion
+
+from ..delivery.models import GivenModel
+from ..evidence.comparison import Comparison, Shift, Tolerances
+from ..evidence.rigid_comparison import compare_rigid
+from ..inputs.rigid import RigidJoint
+from ..joint.observer import Plant
+from ..record.result import NamedEffect
+from .held_out import Fitted, measure_acceleration, measure_level, read_number
+from .settings import LOW_RATE
+
+__all__ = ["compare_body", "name_shift", "put_back"]
+
+_NUMBERS = ("inertia", "gravity_cosine", "gravity_sine", "offset")
+_STRAYS = Tolerances(
+    inertia=LOW_RATE.form,
+    accelerating=0.5 * LOW_RATE.of_friction,
+    gravity=LOW_RATE.form,
+    sliding=0.5 * LOW_RATE.of_friction,
+    uneven=0.5 * LOW_RATE.of_friction,
+)
+"""Numbers of plain joints stray by a part of their size and by a part of the friction; what effects have to exceed is
+twice that."""
+
+
+def compare_body(rigid: RigidJoint | None, fit: Fitted, motion: RecordedMotion) -> Comparison:
+    """What of the simulation's body is off by more than the recording leaves open and than is told at such rates.
+
+    Args:
+        rigid: The simulation; None where there is none.
+        fit: With all that was named.
+        motion: What it was fitted to.
+    """
+    if rigid is None:
+        return Comparison()
+    inertia, cosine, sine, offset = (read_number(fit.model, name) for name in _NUMBERS)
+    level = measure_level(fit, motion)
+    curve = (level, level, 1.0, 0.0)
+    plant = Plant(inertia, (cosine, sine), offset, curve, curve, sigma_0=1.0)
+    strays = np.array([LOW_RATE.certain / 1.96 * fit.deviation(name) for name in _NUMBERS])
+    covariance = np.diag((strays / np.array([inertia, 1.0, 1.0, 1.0])) ** 2)
+    found = compare_rigid(plant, covariance, rigid, motion.torque_unit, _STRAYS, measure_acceleration(motion))
+    scale = {"inertia": rigid.inertia, "weight": max(abs(rigid.offset), level)}
+    gravity = max(float(np.hypot(*rigid.gravity)), level)
+    told = [
+        one
+        for one in found.changes
+        if abs(one.refitted.value - one.given) > LOW_RATE.matters_given * scale.get(one.name, gravity)
+        and not one.refitted.ci95[0] <= one.given <= one.refitted.ci95[1]
+    ]
+    return Comparison(found.shifts, tuple(told)) if told else Comparison()
+
+
+def name_shift(shift: Shift) -> NamedEffect:
+    """A shift as an answer has it. Its share is not counted: it is in the joint that all errors are of."""
+    return NamedEffect(
+        name=shift.name,
+        kind=shift.kind,
+        parameters=shift.parameters,
+        indistinguishable_from=shift.alike,
+        share=0.0,
+        equation=shift.equation,
+        sentence=shift.sentence,
+        citation=shift.citation,
+    )
+
+
+def put_back(rigid: RigidJoint, fit: Fitted) -> GivenModel:
+    """The joint with the simulation's body: its error is that before the answer."""
+    assert fit.model.dynamics is not None
+    cosine, sine = rigid.gravity
+    body = replace(fit.model.dynamics, inertia=rigid.inertia, gravity_cosine=cosine, gravity_sine=sine)
+    return GivenModel(replace(fit.model, dynamics=replace(body, load_inertia=0.0)), (*fit.held, *_NUMBERS[:3]))
