@@ -135,6 +135,7 @@ def add_spring(base: Fitted, motion: RecordedMotion) -> Candidate:
 
 def bend_curve(model: FrictionModel) -> FrictionModel:
     """The plain joint with friction that falls from rest, to start a fit from."""
+    assert model.validity.velocity is not None
     curve, speed = model.law.parameters(), LOW_RATE.falls_by * model.validity.velocity[1]
     coulomb, viscous = curve["coulomb.coulomb_torque"], curve["viscous.viscous_coefficient"]
     falling = StribeckCurve(coulomb, LOW_RATE.rises * coulomb, speed, viscous)
