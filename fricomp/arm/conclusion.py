@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -11,37 +12,39 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 
 from .answer import ArmAnswer, TermEvidence
+from .comparison.delays import list_apart
 from .comparison.links import describe_link, measure_link_change
 from .comparison.lone_link import find_lone_link
-from .comparison.stated import list_stated, say_stated
+from .comparison.stated import list_stated
+from .comparison.torque_scale import find_own_scale, scale_quantities, scale_quantity
 from .elasticity import measure_stiffness
 from .fit import Z95, ArmFit
 from .friction import CREEP, GEARS, TERMS
 from .friction_model import find_creep_velocity
+from .identification import ArmIdentification
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
 from .search.gear import GearSearch
-from .search.shared_delay import SharedDelay
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 from .words.brief import (
     list_doubts,
     say_creep,
-    say_links,
-    say_nothing_missing,
     say_offsets,
     say_possible_spring,
     say_shared_causes,
-    say_tilt,
     say_unexplained,
     say_unnamed,
     say_what,
     write_summary,
 )
-from .words.corrections import say_corrections
+from .words.corrections import say_corrections, say_scaled
 from .words.links import say_link, say_lone_link
+from .words.opening import write_opening
 from .words.quantity import show_quantity
+from .words.signal import say_signal
+from .words.stated import say_stated
 
 _UNEVEN = (
     "The stamps are not the instants at which rows were sampled: how far the joints came, over their velocities, says "
@@ -71,6 +74,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         cutoff=found.rows.cutoff,
         duration=found.recording.duration,
         left_out=found.recording.left_out,
+        period=found.recording.period,
         held_joints=tuple(name for name in arm.held if name not in found.recording.still),
         still_joints=found.recording.still,
         unknown_joints=found.recording.strangers,
@@ -86,17 +90,17 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
     held = found.recording.held
     rate = f"Most rows of {', '.join(held)} repeat the one before; they were left out." if held else ""
     stamps = _UNEVEN if found.recording.placed else ""
-    apart = _say_apart(delay, arm.joints)
+    apart = _say_apart(list_apart(found), arm.joints)
     sentences = (*_write_sentences(record), *(one for one in (rate, stamps, apart) if one))
     return replace(record, summary=write_summary(record, sentences[0]), sentences=sentences)
 
 
-def _say_apart(delay: SharedDelay, joints: Sequence[str]) -> str:
+def _say_apart(delays: Mapping[int, float], joints: Sequence[str]) -> str:
     """That the torques of joints are not late by the same time, where they are not."""
-    if not delay.apart:
+    if not delays:
         return ""
-    first, last = (pick(delay.apart, key=delay.apart.__getitem__) for pick in (min, max))
-    ends = (f"{1e3 * delay.apart[j]:.2g} ms by {joints[j]}" for j in (first, last))
+    first, last = (pick(delays, key=delays.__getitem__) for pick in (min, max))
+    ends = (f"{1e3 * delays[j]:.3g} ms by {joints[j]}" for j in (first, last))
     return (
         f"Joints do not agree on how late their torques are, from {' to '.join(ends)}: something else moves that in "
         "some of them, such as a gear that gives way. Only a time that most of them ask for is taken off."
@@ -128,6 +132,7 @@ def _describe_joint(
     for name, (low, high) in averages.items():
         value = 0.0 if (joint, name) in fit.model.pinned else min(max(values[name].value, low), high)
         values[name] = Quantity(value, values[name].unit, (low, high))
+    values = scale_quantities(fit, joint, values)
     effects = [
         _describe_effect(answer, joint, term, variant, values, others)
         for term, variant in form.terms
@@ -143,7 +148,7 @@ def _describe_joint(
         unit=torque,
         friction={name: value for name, value in values.items() if name not in own},
         effects=tuple(sorted(effects, key=lambda one: -one.fall)),
-        rotor_inertia=_quantity(float(fit.armature[joint]), rotor, inertia),
+        rotor_inertia=scale_quantity(_quantity(float(fit.armature[joint]), rotor, inertia), find_own_scale(fit, joint)),
         error_simulation=float(answer.errors.simulation[joint]),
         error_plain=float(answer.errors.plain[joint]),
         error_model=float(answer.errors.model[joint]),
@@ -184,6 +189,8 @@ def _describe_effect(
             least, most = (max(end, 1e-9) for end in parameters["share"].ci95)
             ends = min(low, stiffness / most), max(high, stiffness / least)
             parameters = {"stiffness": Quantity(stiffness, f"{torque}/{position}", ends)}
+    if term == SPRING:
+        parameters["rest_position"] = _find_rest(found, joint, parameters["stiffness"], values["offset"])
     if TERMS[term].filled == "delay":
         parameters = {"delay": _quantity(*answer.own_delays[joint], "s")}
     if TERMS[term].filled == "ripple":
@@ -200,6 +207,16 @@ def _describe_effect(
         indistinguishable_from=(*(one.split(": ")[1] for one in found.rivals.get(name, ())), *TERMS[term].alike),
         links_instead=list_links_instead(found.equations, others.own, found.prior, joint) if term == SPRING else (),
     )
+
+
+def _find_rest(found: ArmIdentification, joint: int, stiffness: Quantity, offset: Quantity) -> Quantity:
+    """Where a spring pulls nothing: its column is that from the middle of the motion, and the rest is a constant."""
+    middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
+    away = offset.value / stiffness.value
+    parts = [(one.ci95[1] - one.ci95[0]) / (2.0 * one.value) for one in (offset, stiffness)]
+    spread = abs(away) * math.hypot(*parts)
+    unit = found.recording.metadata[joint].position_unit
+    return Quantity(middle - away, unit, (middle - away - spread, middle - away + spread))
 
 
 def _unit_of(name: str, torque: str, position: str) -> str:
@@ -219,27 +236,17 @@ def _unit_of(name: str, torque: str, position: str) -> str:
 
 
 def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
-    named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
-    off = [link for link in record.links if link.state == "off"]
-    doubts = (*list_doubts(record), *say_unexplained(record))
-    opening = (
-        "The simulation leaves out physics in " + ", ".join(f"{joint} ({effect.name})" for joint, effect in named) + "."
-        if named
-        else doubts[0]
-        if doubts
-        else say_links(record.joints)
-        if off
-        else say_nothing_missing(record.joints)
-    )
+    opening = write_opening(record)
     return (
         opening,
-        *(one for one in doubts if one != opening),
+        *(one for one in (*list_doubts(record), *say_unexplained(record)) if one != opening),
         *say_corrections(record),
         *say_shared_causes(record.joints),
         *say_offsets(record.joints),
         *say_unnamed(record.joints),
         *say_creep(record.joints),
         *(_say_joint(joint) for joint in record.joints),
+        *say_scaled(record.joints),
         *say_lone_link(record.lone_link),
         *(say_link(link) for link in record.links if link.state == "off"),
         *say_stated(record.joints),
@@ -250,7 +257,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
             if joint.stiffness is not None
         ),
         *(say_possible_spring(joint) for joint in record.joints if joint.possible_spring is not None),
-        *_say_signal(record),
+        *say_signal(record),
     )
 
 
@@ -278,46 +285,3 @@ def _say_undetermined(record: ArmRecord) -> tuple[str, ...]:
     if not names:
         return ()
     return (f"This motion does not determine the mass of {', '.join(names)}: the simulation's values are kept.",)
-
-
-def _say_signal(record: ArmRecord) -> tuple[str, ...]:
-    lines = []
-    low, high = record.delay.ci95
-    if record.delay.value and (low > 0.0 or high < 0.0):
-        way = "late behind" if record.delay.value > 0.0 else "ahead of"
-        own = [joint.name for joint in record.joints if any(one.name == "torque_delay" for one in joint.effects)]
-        whose = f"The torques of all joints but {', '.join(own)}" if own else "All torques"
-        lines.append(
-            f"{whose} are {1e3 * abs(record.delay.value):.3g} ms {way} the positions "
-            f"({1e3 * low:.3g} to {1e3 * high:.3g} ms); this was taken off."
-        )
-    if record.tilt is not None:
-        lines.append(f"The base is not level: {say_tilt(record.tilt)}.")
-    if record.gain is not None:
-        lines.append(f"All torques are {record.gain.value:.3g} times those that the simulation asks for.")
-    lines.append(
-        f"Compared up to {record.cutoff:g} Hz, over {record.duration:.4g} s; above, structure that rings would be "
-        "taken for friction."
-    )
-    if record.left_out > 0.005:
-        guided = ", what else moved the arm" if record.guided else ""
-        lines.append(
-            f"{record.left_out:.0%} of the time was left out: gaps{guided}, and stretches too short between them."
-        )
-    if record.one_way:
-        lines.append(
-            f"Moved one way only, so that friction is not told from a constant torque: {', '.join(record.one_way)}."
-        )
-    if record.still_joints:
-        lines.append(
-            f"Stood still, so that nothing is said of them: {', '.join(record.still_joints)}. Their links count with "
-            "the one that carries them."
-        )
-    if record.unknown_joints:
-        names = ", ".join(record.unknown_joints)
-        lines.append(f"Left out, since the simulation lacks them: {names}. What they move counts as if it stood still.")
-    if record.held_joints:
-        lines.append(
-            f"Held where the simulation has them, since nothing was recorded: {', '.join(record.held_joints)}."
-        )
-    return tuple(lines)

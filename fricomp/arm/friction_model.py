@@ -23,6 +23,7 @@ from fricomp.laws import (
 from fricomp.model import FrictionModel, Provenance, Validity
 
 from .arm_recording import find_start_temperature
+from .comparison.torque_scale import scale_values
 from .friction import CREEP, STRIBECK_EXPONENTS, TERMS
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
@@ -53,6 +54,7 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
         joint: Number of the joint.
     """
     values, form = fit_within_law(found, joint), dict(found.fit.model.forms[joint].terms)
+    values = scale_values(found.fit, joint, values)
     terms = [*_build_core(found, joint, values, form), *_build_terms(found, joint, values, form)]
     metadata, motion = found.recording.metadata[joint], found.rows.motion
     load = found.fit.compute_load(found.rows)[:, joint]

@@ -3,7 +3,7 @@
 The bandwidth first, since structure that rings is no friction; then the time by which all torques are late, because a
 wrong delay turns into friction; then one thing more at a time, as long as it makes the recording more probable: a term
 of friction in a joint, a link that is further off than files usually are, a gain of all torques. Where what was found
-leaves so much less that a wider band says more, all of that is done again in it. What was taken in and does not come
+leaves so much less that another band says more, all of that is done again in it. What was taken in and does not come
 again in halves of the recording, or hardly changes the held-out error, is left out again.
 """
 
@@ -34,7 +34,7 @@ from .search.proposal import propose_models
 from .search.ripple import propose_ripples
 from .search.shared_delay import SharedDelay, share_delays
 from .search.stribeck import is_curve
-from .timing.bandwidth import choose_rows, raise_cutoff
+from .timing.bandwidth import choose_again, choose_rows
 from .timing.delay_correction import move_torques, take_off_delay
 
 __all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "ArmSearch", "identify_arm", "identify_without"]
@@ -153,16 +153,16 @@ class ArmSearch:
     rivals: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def finish(self, found: ArmIdentification, rows: ArmRows, begun: ArmEquations) -> ArmIdentification:
-        """Search again in a wider band where that says more, and settle.
+        """Search again in another band where that says more, and settle.
 
         Args:
             found: In the band that was chosen.
             rows: At the bandwidth that was chosen before anything was found.
             begun: Equations there.
         """
-        higher = raise_cutoff(found.rows, found.equations, found.fit, self.recording, self.prior, begun.weights.noise)
-        if higher is not None:
-            found = self.search_again(*higher, found)
+        other = choose_again(found.rows, found.equations, found.fit, self.recording, self.prior, begun.weights.noise)
+        if other is not None:
+            found = self.search_again(*other, found)
         model = found.fit.model
         fit, equations = fit_robustly(self.arm, found.rows, found.equations, model, self.prior, found.fit, settled=True)
         return replace(found, fit=fit, equations=equations, begun=(rows, begun))

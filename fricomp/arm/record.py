@@ -204,6 +204,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         cutoff: Highest frequency that was compared [Hz].
         duration: Time that was used [s].
         left_out: Part of the recording's time that was not used: gaps, and stretches too short between them.
+        period: Between two rows of the recording [s].
         summary: The answer in a few sentences: what is wrong, in which joints and links, and what to do.
         held_joints: Joints of the simulation that nothing was recorded of.
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
@@ -229,6 +230,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     cutoff: float
     duration: float
     left_out: float
+    period: float = 0.0
     summary: tuple[str, ...] = ()
     held_joints: tuple[str, ...] = ()
     still_joints: tuple[str, ...] = ()

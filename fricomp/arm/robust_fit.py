@@ -9,6 +9,7 @@ from .physics import hold_at_zero
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
+from .search.ripple import refine_ripples
 from .search.stribeck import refine_stribeck
 
 _REWEIGHTINGS = 2
@@ -43,6 +44,7 @@ def fit_robustly(
         fresh = equations.with_load(fit.compute_load(rows)).with_lean(rows, fit.inertia)
         equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
         fit = fit_arm(arm, equations, model, prior, fit)
+    fit, equations = refine_ripples(rows, equations, fit, prior)
     fit, equations = refine_stribeck(rows, equations, fit, prior)
     held = hold_at_zero(fit) if settled else fit.model
     if held == fit.model:

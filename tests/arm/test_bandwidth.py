@@ -17,7 +17,7 @@ from fricomp.arm.robust_fit import fit_robustly
 from fricomp.arm.rows import build_rows
 from fricomp.arm.search.shared_delay import SharedDelay, measure_delay
 from fricomp.arm.timing import delay_correction
-from fricomp.arm.timing.bandwidth import choose_rows, raise_cutoff
+from fricomp.arm.timing.bandwidth import choose_again, choose_rows
 
 from .moving_arm import record_arm, write_arm
 from .test_examination import follow_load
@@ -31,8 +31,8 @@ def test_a_wider_band_is_taken_where_what_was_found_leaves_far_less(tmp_path: Pa
     bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
     fit, equations = fit_robustly(arm, rows, bare, model, prior)
     noise = equations.weights.noise
-    assert raise_cutoff(rows, equations, fit, recording, prior, noise) is None
-    higher = raise_cutoff(rows, equations, fit, recording, prior, 3.0 * noise)
+    assert choose_again(rows, equations, fit, recording, prior, noise) is None
+    higher = choose_again(rows, equations, fit, recording, prior, 3.0 * noise)
     assert higher is not None
     assert higher[0].cutoff > 5.0
 

@@ -6,14 +6,12 @@ from msgspec.structs import replace
 
 from fricomp.arm.record import ARM_SCHEMA, ArmRecord, JointEffect, JointFrame, JointRecord, LinkRecord, LinkState
 from fricomp.arm.words.brief import (
-    say_links,
-    say_nothing_missing,
     say_offsets,
     say_unexplained,
     say_unnamed,
     write_summary,
-    write_title,
 )
+from fricomp.arm.words.opening import say_links, say_nothing_missing, write_opening, write_title
 from fricomp.arm.words.quantity import show_quantity
 from fricomp.diagnosis.record.result import Quantity
 
@@ -163,3 +161,47 @@ def test_a_constant_torque_is_told_where_it_is_surely_a_part_of_the_friction() -
     (line,) = say_offsets((little, open_ended, sure))
     assert "c -0.8 N·m (-0.9 to -0.7)" in line
     assert line in write_summary(_record((sure,)), "Nothing is named.")
+
+
+def test_a_constant_torque_beside_a_spring_is_where_that_rests() -> None:
+    friction = {"coulomb": Quantity(2.0, "N·m", (1.9, 2.1)), "offset": Quantity(4.0, "N·m", (3.9, 4.1))}
+    joint = replace(_joint("a", 0.1), friction=friction)
+    assert say_offsets((joint,)) != ()
+    (effect,) = joint.effects
+    assert say_offsets((replace(joint, effects=(replace(effect, name="spring_torque"),)),)) == ()
+
+
+def test_friction_that_is_stated_wrong_is_no_arm_in_which_nothing_is_missing() -> None:
+    """A simulation with half of the friction of a joint was told to lack nothing, and nothing was to be done."""
+    wrong = replace(
+        _joint("b", None),
+        friction={"coulomb": Quantity(4.0, "N·m", (3.998, 4.002))},
+        stated={"coulomb": 2.0},
+    )
+    for links, also in (((), ""), ((_link("upper", 4.0, "off"),), "and links by")):
+        record = _record((_joint("a", None), wrong), links)
+        opening = write_opening(record)
+        assert opening.startswith("Only numbers of the simulation are off: friction or rotors that it states of b")
+        assert also in opening
+        assert "no physics is missing" in opening
+        assert write_title(record).endswith("only numbers of the simulation are off")
+        told = write_summary(record, opening)
+        assert told[1].startswith("To do: simulate with arm.xml")
+        assert any("b Coulomb friction 4 N·m (3.998 to 4.002) for 2." in line for line in told)
+
+
+def test_a_delay_is_told_in_short_where_rows_that_hold_do_not_explain_it() -> None:
+    def tell(delay: float) -> list[str]:
+        late = Quantity(delay, "s", (delay - 1e-4, delay + 1e-4))
+        record = replace(_record((_joint("a", None),)), delay=late, period=0.005)
+        return [line for line in write_summary(record, "Fine.") if "All torques" in line]
+
+    (late,), (early,) = tell(0.004), tell(-0.004)
+    assert late.startswith("All torques are 4 ms late behind the positions")
+    assert early.startswith("All torques are 4 ms ahead of the positions")
+    assert tell(-0.0024) == tell(0.002) == []
+
+
+def test_joints_of_which_nothing_is_said_are_told_in_short() -> None:
+    told = write_summary(replace(_record((_joint("a", None),)), still_joints=("wrist",)), "Fine.")
+    assert any("Stood still, so that nothing is said of them: wrist" in line for line in told)

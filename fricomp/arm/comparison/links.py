@@ -46,14 +46,15 @@ def describe_link(found: ArmIdentification, link: int, intervals: FloatArray) ->
     spread = (intervals[:, 1] - intervals[:, 0]) / (2.0 * Z95)
     determined = spread < _DETERMINED * before[:4]
     ends = [(float(low), float(high)) for low, high in intervals]
-    off = link in fit.model.opened or bool(np.any(determined & (np.abs(value - simulated)[:4] > _Z_OFF * spread)))
+    far = determined & (np.abs(value - simulated)[:4] > _Z_OFF * spread)
+    far = np.append(far, np.zeros(N_INERTIA - far.size, dtype=bool)) | (link in fit.model.opened)
     return LinkRecord(
         name=fit.arm.links[link],
         simulated_mass=float(simulated[0]),
         mass=Quantity(float(value[0]), "kg", ends[0]),
         first_moment={axis: Quantity(float(value[k]), "kg·m", ends[k]) for k, axis in enumerate(_AXES, start=1)},
         simulated_first_moment={axis: float(simulated[k]) for k, axis in enumerate(_AXES, start=1)},
-        state=_judge_link(determined, off=off and _matters(found, link)),
+        state=_judge_link(determined, off=_matters(found, link, far)),
         determined=tuple(name for name, known in zip(("mass", *_AXES), determined, strict=True) if known),
     )
 
@@ -64,14 +65,24 @@ def _judge_link(determined: BoolArray, *, off: bool) -> LinkState:
     return "as_simulated" if np.any(determined) else "not_determined"
 
 
-def _matters(found: ArmIdentification, link: int) -> bool:
-    """Whether any joint would notice that a link is as it was found."""
-    return bool(np.max(_measure_changes(found, slice(link, link + 1))) >= LEAST_MATTER)
+def _matters(found: ArmIdentification, link: int, far: BoolArray) -> bool:
+    """Whether any joint would notice what is far off of a link.
+
+    What else of it is elsewhere than in the simulation, neighbours make up for: torques tell the sum alone.
+    """
+    return bool(np.max(_measure_changes(found, slice(link, link + 1), far)) >= LEAST_MATTER)
 
 
-def _measure_changes(found: ArmIdentification, links: slice) -> FloatArray:
-    """RMS of what some links as found change of each joint's torque, as part of that torque. Shape (n_joints,)."""
+def _measure_changes(found: ArmIdentification, links: slice, counted: BoolArray | None = None) -> FloatArray:
+    """RMS of what some links as found change of each joint's torque, as part of that torque. Shape (n_joints,).
+
+    Args:
+        found: The confirmed fit.
+        links: Their numbers.
+        counted: Which of the ten numbers of each count; all by default. Shape (10,).
+    """
     fit, columns = found.fit, slice(N_INERTIA * links.start if links.start else 0, N_INERTIA * links.stop)
-    change = found.rows.links[:, :, columns] @ (fit.inertia - fit.arm.inertia)[links].ravel()
+    away = (fit.inertia - fit.arm.inertia)[links] * (1.0 if counted is None else counted)
+    change = found.rows.links[:, :, columns] @ away.ravel()
     pairs = zip(change.T, found.rows.torque.T, strict=True)
     return np.array([compute_rms(one) / max(compute_rms(torque), 1e-300) for one, torque in pairs])

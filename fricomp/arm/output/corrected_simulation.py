@@ -13,6 +13,7 @@ from fricomp.laws import FloatArray
 from fricomp.simulation_file import read_specification
 
 from ..answer import ArmAnswer
+from ..comparison.torque_scale import find_own_scale
 from ..fit import ArmFit
 from ..friction_model import build_friction_model
 from ..rigid.inertia import can_exist, split_inertia
@@ -36,8 +37,8 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
     bodies = {str(body.name) or f"body {body.id}": body for body in spec.bodies}
     for name, inertia, carried in zip(fit.arm.links, fit.inertia, fit.arm.carried, strict=True):
         _weigh_link(bodies[name], inertia, carried, fit.arm.moving_joints)
-    for name, rotor in zip(fit.arm.joints, fit.armature, strict=True):
-        spec.joint(name).armature = max(float(rotor), 0.0)
+    for j, (name, rotor) in enumerate(zip(fit.arm.joints, fit.armature, strict=True)):
+        spec.joint(name).armature = max(float(rotor), 0.0) / find_own_scale(fit, j)[0]
     spec.option.gravity = _lean_gravity(fit)
     spec.compile()
     text, lost = spec.to_xml(), []

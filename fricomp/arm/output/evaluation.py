@@ -13,8 +13,10 @@ import numpy as np
 from fricomp.evaluation.arm import ArmEvaluation, JointErrors, evaluate_arm
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
+from fricomp.recording import Recording
 
 from ..answer import ArmAnswer
+from ..comparison.torque_scale import find_scales, scale_recordings
 from ..confirmation import fit_plainly
 from ..fit import ArmFit
 from ..friction_model import build_friction_model
@@ -59,23 +61,28 @@ class FileTrial:
         arm = self.answer.identification.fit.arm
         found, _ = fit_plainly(arm, self.answer.identification.equations, self.trained)
         plain = {name: _build_plain(self.answer, j, found[j].tolist()) for j, name in enumerate(arm.joints)}
-        return self._evaluate(self.simulation, plain)
+        return self._evaluate(self.simulation, plain, self.answer.identification.recording.recordings)
 
     def evaluate_fit(self, fit: ArmFit) -> ArmEvaluation:
-        """Errors of `arm.xml` and the friction models that are made of a fit, as those that are written are."""
+        """Errors of `arm.xml` and the friction models that are made of a fit, as those that are written are.
+
+        What is written is true torque: that of joints whose scale the fit has wrong is compared as it says it is.
+        """
         part = replace(self.answer.identification, fit=fit)
         models = {name: build_friction_model(part, j) for j, name in enumerate(fit.arm.joints)}
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "arm.xml"
             corrected = correct_simulation(replace(self.answer, identification=part), self.simulation)[0]
             path.write_text(corrected, encoding="utf-8")
-            return self._evaluate(path, models)
+            return self._evaluate(path, models, scale_recordings(fit, part.recording.recordings))
 
-    def _evaluate(self, simulation: Path, friction: dict[str, FrictionModel]) -> ArmEvaluation:
+    def _evaluate(
+        self, simulation: Path, friction: dict[str, FrictionModel], recordings: Sequence[Recording]
+    ) -> ArmEvaluation:
         found = self.answer.identification
         return evaluate_arm(
             simulation,
-            found.recording.recordings,
+            recordings,
             friction=friction,
             spans=self.spans,
             band=found.rows.cutoff,
@@ -101,7 +108,7 @@ def compare_files(trial: FileTrial, fit: ArmFit, before: ArmEvaluation, after: A
     used = equations.moving & ~trial.trained[:, None]
     left = np.where(used, fit.residuals(equations), 0.0)
     own = np.sqrt(np.sum(left**2, axis=0) / np.maximum(np.sum(used, axis=0), 1))
-    pairs = zip(fit.arm.joints, own.tolist(), strict=True)
+    pairs = zip(fit.arm.joints, (own / find_scales(fit)).tolist(), strict=True)
     return {name: _compare(before.joint(name), after.joint(name), fitted) for name, fitted in pairs}
 
 

@@ -13,7 +13,7 @@ from fricomp.results import plain_name
 from ..confirmation import fit_plainly
 from ..examination import ArmExamination
 from ..record import ArmRecord
-from ..words.brief import write_title
+from ..words.opening import write_title
 from ..words.quantity import show_interval, show_quantity
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}

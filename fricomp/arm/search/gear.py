@@ -182,6 +182,10 @@ class GearSearch:
             found[j] = self._refine(judges[j], j, one.gear, _FEWER)
         return self._fill(equations, found)
 
+    def build(self, equations: ArmEquations, gears: FloatArray) -> ArmEquations:
+        """The equations with gears that are known, none where all of one is zero. Shape (n_joints, 3)."""
+        return self._fill(equations, {j: _Tried(Gear(*one.tolist()), 1.0) for j, one in enumerate(gears) if one[1]})
+
     def _fill(self, equations: ArmEquations, found: Mapping[int, _Tried]) -> ArmEquations:
         n = len(equations.columns)
         gears, torques = np.zeros((n, 3)), np.zeros((len(self._rows), n, n))

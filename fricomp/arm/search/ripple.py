@@ -1,4 +1,9 @@
-"""Waves of torque over the position of a joint: their order is read off what a fit leaves."""
+"""Waves of torque over the position of a joint: their order is read off what a fit leaves, and moved to where they fit
+best.
+
+What is left holds what was not taken in yet, so that its strongest line is beside the order of the wave: over the range
+of the joint the two fall out of step, and what comes of that looks like a spring or a bristle.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +14,12 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from ..equations import ArmEquations
-from ..fit import ArmFit
-from ..friction import LOWEST_RIPPLE
+from ..fit import ArmFit, fit_arm
+from ..friction import LOWEST_RIPPLE, TERMS
+from ..prior import ArmPrior
 from ..row_weights import BoolArray
 from ..rows import ArmRows
+from .judge import JointJudge
 
 _HIGHEST = 400.0
 """Most waves a radian times 2 pi that are looked for: at 1 rad/s they pass at 64 Hz, beyond what is compared."""
@@ -23,6 +30,12 @@ than a millimetre."""
 
 _STEPS = 4.0
 """Orders a resolvable line: between two of them no line is missed by more than a tenth of its power."""
+
+_ROUNDS = 6
+"""Of moving an order; each leaves about the square of the distance before."""
+
+_STILL = 0.1
+"""Of its standard deviation, by which an order may move and counts as standing still."""
 
 
 class RippleSearch:
@@ -69,6 +82,45 @@ def propose_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit) -> ArmE
         if "cogging" not in dict(form.terms):
             orders[j] = search.find_order(j, left[:, j])
     return equations.with_ripple(rows, orders)
+
+
+def refine_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> tuple[ArmFit, ArmEquations]:
+    """Move the orders of a fit's waves, as long as that makes the recording more probable.
+
+    Args:
+        rows: Motion and torques.
+        equations: Of these rows.
+        fit: Of these equations.
+        prior: How far the simulation is trusted.
+    """
+    for j in (j for j, form in enumerate(fit.model.forms) if "cogging" in form.names):
+        for _ in range(_ROUNDS):
+            step = _find_step(rows, equations, fit, j)
+            if not step:
+                break
+            orders = equations.ripple.copy()
+            orders[j] += step
+            moved = equations.with_ripple(rows, orders)
+            there = fit_arm(fit.arm, moved, fit.model, prior, fit)
+            if there.log_evidence <= fit.log_evidence:
+                break
+            fit, equations = there, moved
+    return fit, equations
+
+
+def _find_step(rows: ArmRows, equations: ArmEquations, fit: ArmFit, joint: int) -> float:
+    """How far the order of a joint's wave is from where it fits best; 0 where that is next to nothing."""
+    order, form = float(equations.ripple[joint]), dict(fit.model.forms[joint].terms)
+    cosine, sine = (fit.friction(joint)[name] for name in TERMS["cogging"].names(form["cogging"]))
+
+    def slope(position: FloatArray, _: FloatArray, __: FloatArray) -> FloatArray:
+        q = position[:, joint]
+        return np.asarray(q * (sine * np.cos(order * q) - cosine * np.sin(order * q)))[:, None]
+
+    judge = JointJudge(equations, fit, joint, fit.residuals(equations)[:, joint])
+    found = judge.estimate(rows.compare(slope))
+    step, deviation = float(found.values[0]), float(found.deviations[0])
+    return step if abs(step) > _STILL * deviation else 0.0
 
 
 def _find_order(position: FloatArray, left: FloatArray, highest: float) -> float:

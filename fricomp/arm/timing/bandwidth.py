@@ -1,7 +1,7 @@
 """Up to which frequency motion and torque are compared: structure that rings above it is no friction.
 
 The cutoff is the one at which the recording fixes the parameters best, all that is left being noise. What is missing in
-a joint is such noise as well until it is found; the cutoff that is right with it may be higher than that without.
+a joint is such noise as well until it is found; the cutoff that is right with it may be another than that without.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from ..prior import ArmPrior
 from ..rigid.simulated_arm import SimulatedArm
 from ..robust_fit import fit_robustly
 from ..rows import ArmRows, build_rows
+from ..search.gear import GearSearch
 
 _CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """[Hz] that are tried."""
@@ -31,9 +32,9 @@ _MOST_OF_RATE = 0.2
 """Highest cutoff, as part of the sample rate."""
 
 _FELL = 0.5
-"""Part of its noise that is left of a joint, from which on what was found in it may ask for a higher cutoff."""
+"""Part of its noise that is left of a joint, from which on what was found in it may ask for another cutoff."""
 
-_HIGHER = 6.0
+_CLEARLY = 6.0
 """By how much the logarithm of the parameters' volume must fall at a higher cutoff: e³ in their standard deviations."""
 
 
@@ -79,7 +80,7 @@ def choose_rows(
     return _begin(arm, min(looks, key=lambda one: one.volume))
 
 
-def raise_cutoff(
+def choose_again(
     rows: ArmRows,
     equations: ArmEquations,
     fit: ArmFit,
@@ -87,7 +88,11 @@ def raise_cutoff(
     prior: ArmPrior,
     noise: FloatArray,
 ) -> tuple[ArmRows, ArmEquations] | None:
-    """Rows at a higher cutoff, where what was found leaves so much less that it fixes the parameters better.
+    """Rows at another cutoff, where what was found leaves so much less that it fixes the parameters better there.
+
+    A gear asks for no higher one than it was found at. But in a band that was chosen while something else was most of
+    what is left, the steps of the encoders may be most of it now: torques that follow accelerations less than those
+    steps do look like a gear that gives way.
 
     Args:
         rows: At the cutoff that was chosen.
@@ -97,18 +102,23 @@ def raise_cutoff(
         prior: How far the simulation is trusted.
         noise: What a plain model left of each joint at that cutoff [N·m] or [N]. Shape (n_joints,).
     """
-    higher = [one for one in _CUTOFFS if rows.cutoff < one <= _MOST_OF_RATE / recording.period]
-    fell = np.any(equations.weights.noise < _FELL * noise)
-    geared = any(TERMS[name].filled in GEARS for form in fit.model.forms for name in form.names)
-    if not higher or not fell or geared:  # columns of a gear are of one cutoff
+    if not np.any(equations.weights.noise < _FELL * noise):
         return None
-    looks = []
-    for cutoff in (rows.cutoff, *higher):
+    geared = any(TERMS[name].filled in GEARS for form in fit.model.forms for name in form.names)
+    most = _MOST_OF_RATE / recording.period
+    others = [one for one in _CUTOFFS if (one < rows.cutoff if geared else rows.cutoff < one <= most)]
+    looks: list[_Look] = []
+    for cutoff in (rows.cutoff, *others) if others else ():
         fresh = build_rows(fit.arm, recording, cutoff)
+        if looks and len(fresh) < 3 * len(fit.arm.joints):
+            continue
         bare = build_equations(fit.arm, fresh, fit.compute_load(fresh)).with_ripple(fresh, equations.ripple)
+        for filled in GEARS:
+            bare = GearSearch(fresh, fit, filled).build(bare, equations.gears[filled]) if geared else bare
         looks.append(_look(fit.arm, fresh, bare, fit.model, prior))
-    best = min(looks, key=lambda one: one.volume)
-    return _begin(fit.arm, best) if best.volume < looks[0].volume - _HIGHER else None
+    best = min(looks, key=lambda one: one.volume, default=None)
+    least = 0.0 if geared else _CLEARLY  # the name of a gear hangs on it
+    return _begin(fit.arm, best) if best is not None and best.volume < looks[0].volume - least else None
 
 
 def _look(arm: SimulatedArm, rows: ArmRows, bare: ArmEquations, model: ArmModel, prior: ArmPrior) -> _Look:

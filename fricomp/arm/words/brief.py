@@ -6,15 +6,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from fricomp.diagnosis.effects import EFFECTS
-from fricomp.diagnosis.record.result import Quantity
 from fricomp.overview import AT_BOUND
 
-from ..comparison.stated import say_stated
 from ..matter import LEAST_MATTER
 from ..record import ArmRecord, JointEffect, JointFrame, JointRecord
-from .corrections import name_frame, say_corrections
+from .corrections import name_frame, say_corrections, say_scaled
 from .links import name_link, say_lone_link
-from .quantity import show_quantity
+from .quantity import show_quantity, show_share
+from .signal import say_odd_delay, say_other_joints, say_tilt
+from .stated import list_off_stated, say_stated
 
 _LEAST, _SHARE = 3, 0.5
 """Joints, and part of all joints, in which an effect must show to be told as shared."""
@@ -62,20 +62,22 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     off = [link for link in record.links if link.state == "off"]
     doubts, unexplained = list_doubts(record), say_unexplained(record)
     framed = bool(record.better_frames or record.torque_scales)
-    normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off))
+    stated = list_off_stated(record.joints)
+    normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off or stated))
     to_do = _REFRAME if framed else _SEEK if opening in unexplained else normal
     lines = [opening, *(one for one in (*doubts, *unexplained) if one != opening), *say_corrections(record), to_do]
     lines += say_shared_causes(record.joints)
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
+    lines += say_scaled(record.joints)
     lines += [*say_offsets(record.joints), *say_unnamed(record.joints), *say_creep(record.joints)]
     lines += say_lone_link(record.lone_link)
     lines += [f"Links that are off: {', '.join(map(name_link, off))}."] if off and not record.lone_link else []
     lines += [f"The base is not level: {say_tilt(record.tilt)}."] if record.tilt is not None else []
-    lines += say_stated(record.joints)
+    lines += [*say_stated(record.joints), *say_odd_delay(record)]
     unknown = [link.name for link in record.links if link.state == "not_determined"]
     lines += [f"Not shown by this motion: the mass of {', '.join(unknown)}."] if unknown else []
-    return tuple(lines)
+    return (*lines, *say_other_joints(record))
 
 
 def list_doubts(record: ArmRecord) -> tuple[str, ...]:
@@ -134,23 +136,6 @@ def say_unexplained(record: ArmRecord) -> tuple[str, ...]:
     )
 
 
-def write_title(record: ArmRecord) -> str:
-    """The answer in a few words."""
-    if any(joint.effects for joint in record.joints):
-        said = "physics is missing"
-    elif list_doubts(record):
-        said = "what was found is in doubt"
-    elif left := [joint.name for joint in record.joints if is_unexplained(joint)]:
-        said = f"unexplained torque in {', '.join(left)}"
-    elif any(link.state == "off" for link in record.links):
-        said = "only links are off"
-    elif any(joint.unnamed for joint in record.joints):
-        said = "nothing is named"
-    else:
-        said = "no physics is missing"
-    return f"Arm of {len(record.joints)} joints: {said}"
-
-
 def is_unexplained(joint: JointRecord) -> bool:
     """Whether much is left of a joint in which nothing is named."""
     return not joint.effects and joint.unexplained > _UNEXPLAINED
@@ -206,6 +191,8 @@ def say_offsets(joints: Sequence[JointRecord]) -> tuple[str, ...]:
 
 
 def _has_offset(joint: JointRecord) -> bool:
+    if any(one.name == "spring_torque" for one in joint.effects):  # where the spring rests
+        return False
     level, offset = (joint.friction.get(name) for name in ("coulomb", "offset"))
     if level is None or offset is None or offset.ci95[0] <= 0.0 <= offset.ci95[1]:
         return False
@@ -214,7 +201,7 @@ def _has_offset(joint: JointRecord) -> bool:
 
 def say_unnamed(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     """What the models of joints hold without a name, if anything."""
-    held = [f"{joint.name} {name} ({_show_share(fall)})" for joint in joints for name, fall in joint.unnamed.items()]
+    held = [f"{joint.name} {name} ({show_share(fall)})" for joint in joints for name, fall in joint.unnamed.items()]
     if not held:
         return ()
     return (
@@ -245,15 +232,6 @@ def say_what(effect: JointEffect) -> str:
     return _LATER if effect.parameters["delay"].value > 0.0 else _EARLIER
 
 
-def say_tilt(tilt: Mapping[str, Quantity]) -> str:
-    """How far gravity leans over along each level axis, in mrad."""
-    parts = (
-        f"{1e3 * one.value:+.3g} mrad ({1e3 * one.ci95[0]:.3g} to {1e3 * one.ci95[1]:.3g}) along {name}"
-        for name, one in tilt.items()
-    )
-    return f"gravity leans over by {' and '.join(parts)} of the simulation"
-
-
 def _say_what_to_do(*, named: bool, off: bool) -> str:
     if not named and not off:
         return "To do: nothing of single links; arm.xml holds all as found, joints/NAME/friction.json the friction."
@@ -275,30 +253,6 @@ def _list_numbers(effect: JointEffect) -> str:
         f"{f' ({AT_BOUND})' if one.at_bound else ''}"
         for name, one in effect.parameters.items()
     )
-
-
-def say_links(joints: Sequence[JointRecord]) -> str:
-    """That links alone are off, and how much of the torques that is."""
-    most = max(joints, key=lambda joint: joint.link_change)
-    return (
-        f"Only links are off, by {_show_share(most.link_change)} of the torque of {most.name} at most; "
-        f"{'nothing is named' if any(joint.unnamed for joint in joints) else 'no physics is missing'} in any joint."
-    )
-
-
-def say_nothing_missing(joints: Sequence[JointRecord]) -> str:
-    """That nothing is, and how much of the torques links change that are each as simulated, one by one."""
-    most = max(joints, key=lambda joint: joint.link_change)
-    opening = (
-        "Nothing is named: joints have plain friction, or little beside it,"
-        if any(joint.unnamed for joint in joints)
-        else "Nothing is missing: joints have plain friction,"
-    )
-    return f"{opening} and links are as simulated but for {_show_share(most.link_change)} of the torque of {most.name}."
-
-
-def _show_share(part: float) -> str:
-    return f"{part:.0%}" if part >= 0.005 else "less than 1%"
 
 
 def say_possible_spring(joint: JointRecord) -> str:

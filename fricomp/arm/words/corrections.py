@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..record import ArmRecord, JointFrame
+from ..record import ArmRecord, JointFrame, JointRecord
 
-__all__ = ["name_frame", "say_corrections", "say_gravity", "say_turned"]
+__all__ = ["name_frame", "say_corrections", "say_gravity", "say_scaled", "say_turned"]
 
 
 def say_corrections(record: ArmRecord) -> tuple[str, ...]:
@@ -29,6 +29,22 @@ def say_guided(spans: Sequence[tuple[float, float]]) -> tuple[str, ...]:
         f"At {times} something else than the drives moved or held the arm, such as a hand, a contact or a load that it "
         "picked up: there the torques of nearly all joints are off by more than half of their friction. That time was "
         "left out.",
+    )
+
+
+def say_scaled(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """In whose torques friction and rotors are told, where those that were recorded have a wrong scale."""
+    shown = [
+        f"{joint.name} (over {1.0 + one.parameters['gain_error'].value:.3g})"
+        for joint in joints
+        for one in joint.effects
+        if one.name == "torque_gain_error"
+    ]
+    if not shown:
+        return ()
+    return (
+        f"Friction and rotor of {', '.join(shown)} are divided by that scale, here and in the files: mend the scale of "
+        "the torque (drive constant, gear ratio or sensor) before you compensate by them.",
     )
 
 

@@ -24,6 +24,11 @@ def show_interval(quantity: Quantity) -> str:
     return " to ".join(f"{end:.{digits}g}" for end in quantity.ci95)
 
 
+def show_share(part: float) -> str:
+    """A part of something in per cent."""
+    return f"{part:.0%}" if part >= 0.005 else "less than 1%"
+
+
 def _count_digits(quantity: Quantity) -> int:
     low, high = quantity.ci95
     size, width = max(abs(low), abs(high), abs(quantity.value)), high - low
