@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -241,11 +241,7 @@ class Coordinates:
             mean[self.n_inertial + j], deviation[self.n_inertial + j] = 0.0, _HELD
         for j, place in enumerate(self.places):
             typical, speed, level = float(sizes.torque[j]), float(sizes.speed[j]), float(sizes.level[j])
-            by_level = {"stribeck": prior.stribeck * level, "spring_torque": prior.spring * level}
-            deviation[place] = [
-                by_level.get(name.split(".")[0], 0.0) or _size_column(name, typical, speed, prior)
-                for name in self.model.forms[j].columns
-            ]
+            deviation[place] = _size_columns(self.model.forms[j].columns, typical, speed, level, prior)
             if self.model.pinned:
                 held = [(j, name) in self.model.pinned for name in self.model.forms[j].columns]
                 deviation[place] *= np.where(held, _HELD_PART, 1.0)
@@ -256,7 +252,14 @@ class Coordinates:
 
 
 def measure_sizes(arm: SimulatedArm, equations: ArmEquations | EquationSums, prior: ArmPrior) -> PriorSizes:
-    """What the priors of the joints are measured in; no model changes it."""
+    """What the priors of the joints are measured in; no model changes it, so that it is measured once."""
+    known: dict[ArmPrior, PriorSizes] = equations.__dict__.setdefault("_sizes", {})
+    if prior not in known:
+        known[prior] = _measure_sizes(arm, equations, prior)
+    return known[prior]
+
+
+def _measure_sizes(arm: SimulatedArm, equations: ArmEquations | EquationSums, prior: ArmPrior) -> PriorSizes:
     n, sums = N_INERTIA * len(arm.links), equations.sums
     squares = np.maximum(sums[:, n, n], 1e-12)  # of the acceleration
     rotor = np.maximum(prior.rotors * (arm.armature + np.sqrt(sums[:, -1, -1] / squares)), 1e-9)
@@ -280,6 +283,16 @@ def _guess_levels(arm: SimulatedArm, sums: FloatArray, typical: FloatArray) -> F
     whole, pull = across @ (sums[:, :last, :last] @ some), across @ sums[:, :last, -1:]
     found = (np.linalg.pinv(whole, hermitian=True) @ pull)[:, 1 + PLAIN.index("coulomb"), 0]
     return np.maximum(np.abs(found), _LEAST_LEVEL * typical)
+
+
+@lru_cache(maxsize=4096)
+def _size_columns(names: tuple[str, ...], torque: float, speed: float, level: float, prior: ArmPrior) -> FloatArray:
+    """Prior deviations of friction parameters, as those of `_size_column`; some follow the Coulomb level [N·m]."""
+    by_level = {"stribeck": prior.stribeck * level, "spring_torque": prior.spring * level}
+    sizes = [by_level.get(name.split(".")[0], 0.0) or _size_column(name, torque, speed, prior) for name in names]
+    result = np.array(sizes)
+    result.flags.writeable = False
+    return result
 
 
 def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:

@@ -14,6 +14,7 @@ from fricomp.arm.confirmation import without_term
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.identification import ArmIdentification, identify_arm, identify_without
 from fricomp.arm.rigid.regressor import compute_gradients, compute_regressor
+from fricomp.arm.search.gear import Gear, swings
 
 from .moving_arm import bend_gear, record_arm, write_arm
 from .test_examination import follow_load, names_of
@@ -44,6 +45,16 @@ def test_no_gear_is_told_where_none_shows(tmp_path: Path, stiffness: float, side
     """The encoder is on the side of the link, or the gear bends by less than the encoder's step."""
     named = names_of(_examine(tmp_path, stiffness, side))
     assert not any("joint_elasticity" in names for names in named.values())
+
+
+@pytest.mark.parametrize(
+    ("rate", "ratio", "is_gear"), [(30.0, 0.1, True), (30.0, 0.9, True), (30.0, 1.1, False), (7.9, 0.1, False)]
+)
+def test_what_does_not_swing_is_no_gear_that_gives_way(rate: float, ratio: float, *, is_gear: bool) -> None:
+    """Joint 1 of a UR10e had one on which its load would have swung at 1.3 Hz, damped by twice the critical."""
+    inertia = 4.8
+    gear = Gear(0.0, inertia * rate**2, 2.0 * ratio * inertia * rate)
+    assert swings(gear, inertia) is is_gear
 
 
 def test_gradients_are_those_of_the_torque(tmp_path: Path) -> None:
