@@ -29,8 +29,6 @@ from ..rigid.regressor import compute_gradients, compute_mass_matrices
 from ..rows import ArmRows
 from .judge import JointJudge
 
-__all__ = ["YIELDING_GEAR", "Gear", "GearSearch", "swings"]
-
 YIELDING_GEAR = "joint_elasticity"
 """Name of the term of a gear that gives way."""
 
