@@ -273,7 +273,9 @@ def _leaves_noise_alone(verdict: Verdict) -> bool:
 
 def _leaves_less(moved: Verdict, before: Verdict, is_late: bool) -> bool:
     """Whether the error falls, and by no more names than left noise alone before: such as a lag in place of a delay.
-    What is far below that noise shows that it was none."""
+    What is far below that noise shows that it was none. Where something stays unknown, most of the error has to go."""
+    if moved.word == "unknown_physics":
+        return moved.held.rmse_after < (1.0 - SETTINGS.late_explains) * before.held.rmse_after
     far_less = moved.held.rmse_after < SETTINGS.late_explains * before.held.noise_floor
     wordier = len(moved.effects) + is_late > len(before.effects) and _leaves_noise_alone(before) and not far_less
     return moved.held.rmse_after <= before.held.rmse_after and not wordier

@@ -89,9 +89,6 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
     nothing, so that the likelihood of its absence is the same whatever they are [davies1987]. That they were chosen
     where the likelihood is largest counts as freedom. Among them is one that ends where its domain does: it moves to
     one side at most, and no step of it can stand for the others.
-
-    Where the numbers together are not nothing but each may be, they draw a curve that others draw as well: waves over a
-    turn do so on a small part of it.
     """
     own = [(i, p) for i, (owner, p) in enumerate(refitted.structure.parameters, N_BASE) if owner == name]
     linear = [i for i, parameter in own if parameter.linear and parameter.scale > 0.0]
@@ -101,9 +98,7 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
         values = refitted.fit.theta[linear]
         distance = float(values @ np.linalg.pinv(spread, hermitian=True) @ values)
         if distance >= chi2.ppf(NEEDS.sure, len(linear) + len(others)):
-            deviations = np.sqrt(np.diag(refitted.covariance)[linear])
-            apart = np.any(np.abs(values) > 1.96 * deviations)
-            return "" if apart else "its numbers make up for each other: this recording determines none of them"
+            return _find_trade(refitted, name)
     quantities = refitted.list_parameters(name, "", "")
     intervals = {name: quantity.ci95 for name, quantity in quantities.items()}
     nulls = {p.name: p.null for _, p in own if p.null is not None and p.name in intervals}
@@ -112,3 +107,15 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
         return "its interval holds zero" if all(held.values()) else ""
     at = next((one.replace("_", " ") for one, holds in held.items() if holds), "")
     return f"the interval of its {at} holds that of a joint without it" if at else ""
+
+
+def _find_trade(refitted: RefittedJoint, name: str) -> str:
+    """Say that each wave of an effect may be nothing, though all together are not; empty where one is known.
+
+    On a small part of a turn waves draw a curve that other effects draw as well, each making up for the others.
+    """
+    numbers = refitted.list_parameters(name, "", "")
+    waves = [one for at, one in numbers.items() if at.startswith(("sine", "cosine", "amplitude"))]
+    if len(waves) < 2 or not all(one.ci95[0] <= 0.0 <= one.ci95[1] for one in waves):
+        return ""
+    return "its waves make up for each other: this recording determines none of them"

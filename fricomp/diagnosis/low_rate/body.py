@@ -17,8 +17,6 @@ from ..record.result import NamedEffect
 from .held_out import Fitted, measure_acceleration, measure_level, read_number
 from .settings import LOW_RATE
 
-__all__ = ["compare_body", "name_shift", "put_back"]
-
 _NUMBERS = ("inertia", "gravity_cosine", "gravity_sine", "offset")
 _STRAYS = Tolerances(
     inertia=LOW_RATE.form,

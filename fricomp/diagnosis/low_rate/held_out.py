@@ -13,8 +13,6 @@ from fricomp.root_mean_square import compute_rms
 from ..inputs.track import FloatArray
 from .settings import LOW_RATE
 
-__all__ = ["Fitted", "compute_fall", "fit_held_out", "measure_acceleration", "measure_level", "read_number"]
-
 
 @dataclass(frozen=True)
 class Fitted:
