@@ -84,10 +84,17 @@ def test_help_shows_every_unit(command: tuple[str, ...]) -> None:
     assert "\\[" not in shown
 
 
+@pytest.mark.parametrize("command", [(), ("adapter",), ("bench",), *COMMANDS], ids=" ".join)
+def test_help_shows_no_value_behind_a_flag(command: tuple[str, ...]) -> None:
+    for columns in ("60", "200"):
+        assert "bool" not in CliRunner().invoke(main.app, [*command, "--help"], env={"COLUMNS": columns}).output
+
+
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
 def test_every_command_shows_an_example(command: tuple[str, ...]) -> None:
     done = CliRunner().invoke(main.app, [*command, "--help"], env={"COLUMNS": "200"})
-    assert f"fricomp {' '.join(command)}" in done.output.partition("Options")[2], done.output
+    examples = done.output.partition("\n Examples ")[2]
+    assert f"fricomp {' '.join(command)}" in examples, done.output
 
 
 def call(*arguments: object, columns: int | None = 80) -> Any:
