@@ -14,11 +14,11 @@ from typing import Any
 from fricomp.errors import RecordingError
 from fricomp.recording.named.source import is_bag_folder
 from fricomp.recording.sources.table import refuse_data_set
+from fricomp.result_kinds import FLEET
 from fricomp.untrusted import parse_toml, read_whole
 
 _SUFFIXES = (".csv", ".parquet", ".pq")
 _MAGIC = "*?["
-_OF_FLEET = ("rows", "fleet.json", "fleet.html", "fleet.parquet")  # what lies beside the folders of the joints
 _HEAD = 2**16  # of a table, in which its header ends [letters]
 _LONGEST_NAME = 200  # [bytes]; file systems take 255, and numbers and suffixes are added to it
 
@@ -207,9 +207,9 @@ def _with_names(joints: Sequence[FleetJoint]) -> list[FleetJoint]:
 
 def _folder_name(name: str) -> str:
     fit = name.replace("/", "-").strip(".") or "joint"
-    if fit in _OF_FLEET or not fit.isprintable() or len(os.fsencode(fit)) > _LONGEST_NAME:
+    if fit in FLEET.files or not fit.isprintable() or len(os.fsencode(fit)) > _LONGEST_NAME:
         raise RecordingError(
             f"no folder can be called after the joint {fit[:60]!r}: give it a name in a table of joints, of printable "
-            f"characters, at most {_LONGEST_NAME} bytes, and none of {', '.join(_OF_FLEET)}"
+            f"characters, at most {_LONGEST_NAME} bytes, and none of {', '.join(FLEET.files)}"
         )
     return fit
