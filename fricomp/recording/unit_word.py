@@ -15,7 +15,7 @@ _SPELLED = {
     " mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
     "turns": "turn turns rev revs revolution revolutions rot rots rotation rotations",
     "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
-    "rad/s": "rad/s radps mrad/s=mrad/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
+    "rad/s": "rad/s radps mrad/s=mrad/s mdeg/s=mdeg/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
     " radians·per·second degrees·per·second=deg/s",
     "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин",
     "turns/s": "turns/s turn/s rev/s rot/s rps hz",
@@ -100,6 +100,7 @@ _SYMBOLS = {
         "s": "sec secs second seconds",
         "min": "min mins minute minutes",
         "n": "newton newtons",
+        "nm": "newtonmeter newtonmeters newtonmetre newtonmetres",
         "m": "meter meters metre metres",
         "a": "amp amps ampere amperes",
         "lb": "lb lbs lbf pound pounds",
@@ -116,6 +117,8 @@ _SHORT = (
     *("mm", "cm", "kg", "kgf", "kgcm", "kgfcm", "ozin", "inlb", "inlbf", "ftlb", "ftlbf", "lbft", "lbin"),
 )
 """Units in a few letters that mean nothing else as a word of their own: `speedRpm`."""
+_MILLI = ("nm", "a", "rad", "deg")
+"""Symbols to which the letter before them belongs: `MNm`, `mAmps`."""
 _PREFIXES = {"milli": "m", "centi": "c", "micro": "u", "kilo": "k"}
 _AMBIGUOUS = frozenset(["in", "rot", "rotation", "min", "kg", "oz", "lb"])
 """Words that alone are as often none: `current_in` is what goes in."""
@@ -170,9 +173,18 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
     return [one._replace(unit=UNKNOWN_UNIT) if _STEP.search(_spaced(name[: one.span[0]])) else one for one in said]
 
 
+def _is_preposition(words: Sequence[str]) -> bool:
+    """Whether the first word is no inch: `angle_in_degrees`, `torque_in_oz_in`, but `torque_in_lb`."""
+    return words[0] == "in" and (_read_symbol(words[1]) not in ("lb", "oz") or words[-1] == "in")
+
+
 def _read_symbol(word: str) -> str:
-    """The symbol that a word of a unit is; empty where it is none."""
-    return word if word in _SHORT else _SYMBOLS.get(word, "")
+    """The symbol that a word of a unit is; empty where it is none. `milliamps` is one word of a prefix and another."""
+    if word in _SHORT:
+        return word
+    prefix = next((one for one in _PREFIXES if word.startswith(one) and word != one), "")
+    symbol = _SYMBOLS.get(word.removeprefix(prefix), "")
+    return f"{_PREFIXES.get(prefix, '')}{symbol}" if symbol else ""
 
 
 def _take_longest(said: Sequence[UnitWord]) -> list[UnitWord]:
@@ -181,7 +193,9 @@ def _take_longest(said: Sequence[UnitWord]) -> list[UnitWord]:
     for one in sorted(said, key=lambda one: one.span[0] - one.span[1]):
         if not any(a < one.span[1] and one.span[0] < b for _, (a, b), _ in taken):
             taken.append(one)
-    return sorted(taken, key=lambda one: one.span)
+    letters = [one for one in taken if len(one.text) == 1]
+    kept = [one for one in taken if one not in letters] or taken  # `q_m_deg` is a motor's angle, and in no metres
+    return sorted(kept, key=lambda one: one.span)
 
 
 def _spaced(name: str) -> str:
@@ -209,12 +223,12 @@ def _read_phrase(matches: Sequence[re.Match[str]]) -> str:
     A time behind another unit divides it. A letter in front of a unit belongs to it where nothing stands between.
     """
     words = [match.group().lower() for match in matches]
-    if len(words) == 1 and words[0] in _AMBIGUOUS:
+    if (len(words) == 1 and words[0] in _AMBIGUOUS) or _is_preposition(words):
         return ""
     spelled, prefix, over = "", "", False
     for k, word in enumerate(words):
         joined = k + 1 < len(words) and matches[k].end() == matches[k + 1].start()
-        if word in _PREFIXES or (word == "m" and joined and words[k + 1] == "nm"):
+        if word in _PREFIXES or (word == "m" and joined and _read_symbol(words[k + 1]) in _MILLI):
             prefix += _PREFIXES.get(word, word)
         elif word in ("per", "p") and spelled and not over:
             over = True

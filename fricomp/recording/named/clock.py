@@ -16,12 +16,12 @@ from .choice import list_names
 from .column import read_column_name
 from .head_fact import read_head_facts
 
-_UNIT = r"(s|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|с|сек|мс|мкс)"
+_UNIT = r"(s|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|h|hrs?|hours?|с|сек|мс|мкс)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
 """Words that say whose clock it is, or since when it counts."""
 _TIME = re.compile(
-    rf"^(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
-    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/]*)({_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
+    rf"^(?!th$)(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
+    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/.-]*)({_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
     rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks?_[mun]s|epoch|{_CLOCK}[_ ]{_UNIT})$"
     r"|^(time|timestamp|zeit)/.*$"
     r"|^[mun]?s[_ ](today|elapsed|(since|from)[_ ].*)$",
@@ -58,6 +58,7 @@ _SPELLED = {
     "msecs": "ms",
     "milliseconds": "ms",
     "µs": "us",
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
 }
 _SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds|s)$", re.IGNORECASE)

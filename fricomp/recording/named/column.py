@@ -270,6 +270,8 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
     known = [
         k for k, (word, _) in enumerate(words) if word in WORDS and not (_is_q_axis(k, words) or _is_axis(k, words))
     ]
+    if len(known) > 1 and words[known[-1]][0] == "amps" and WORDS[words[known[-2]][0]] == "current":
+        known.pop()  # the unit
     if known:
         return known[-1], WORDS[words[known[-1]][0]]
     for short, quantity in ((_ENCODER, "position"), (_CURRENTS, "current")):

@@ -51,7 +51,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     """
     try:
         lines = tabulate_variables(lines) or _read_python(lines)
-        lines = _unwrap(lines) or lines
+        lines = _unwrap(lines) or _join_decimals(lines) or lines
         lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
         lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
         layout = find_layout(lines[:FIRST_LINES])
@@ -67,6 +67,25 @@ def _read_python(lines: list[str]) -> list[str]:
     if not any(_PYTHON.search(line) for line in lines[:FIRST_LINES]):
         return lines
     return [_PYTHON.sub(r"\1", line) for line in lines]
+
+
+def _join_decimals(lines: list[str]) -> list[str] | None:
+    """The table with points for decimal commas that stand between commas; None where there are no such.
+
+    Below `time,pos,torque` each row has twice as many cells, in turns the whole part of a number and its decimals.
+    """
+    shown = [number for number, line in enumerate(lines[:FIRST_LINES]) if line.strip() and not is_comment(line)]
+    if len(shown) < _FEWEST_ENTRIES:
+        return None
+    head = lines[shown[0]]
+    mark = next((one for one in (";", "\t", ",") if one in head), "")
+    names = split_cells(head, mark) if mark else []
+    pairs = re.compile(rf"[+-]?\d+,\d+(?:[eE][+-]?\d+)?(?:,[+-]?\d+,\d+(?:[eE][+-]?\d+)?){{{len(names) - 1}}}")
+    if len(names) < _FEWEST_ENTRIES or not all(pairs.fullmatch(lines[number].strip()) for number in shown[1:]):
+        return None
+    rows = (line.strip().split(",") for line in lines[shown[0] + 1 :] if pairs.fullmatch(line.strip()))
+    joined = [",".join(f"{a}.{b}" for a, b in zip(cells[::2], cells[1::2], strict=True)) for cells in rows]
+    return [_join(names, ","), *joined]
 
 
 def _unwrap(lines: Sequence[str]) -> list[str] | None:

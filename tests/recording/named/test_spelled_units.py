@@ -33,6 +33,9 @@ def _write(path: Path, **columns: object) -> Path:
         (("position_revs", TURN), ("velocity_revs_per_sec", TURN), ("torque_milli_newton_meters", 1e-3)),
         (("Position (rotations)", TURN), ("Velocity (rotations/s)", TURN), ("Torque (ft-lbs)", 0.3048 * POUND_FORCE)),
         (("pos_cdeg", DEG / 100.0), ("vel_mrad_s", 1e-3), ("Torque [in-lbs]", 0.0254 * POUND_FORCE)),
+        (("angle_in_degrees", DEG), ("speed_in_rad_per_s", 1.0), ("torque_in_N_mm", 1e-3)),
+        (("posMDeg", DEG / 1e3), ("velocity[mdeg/s]", DEG / 1e3), ("torque_millinewtonmeters", 1e-3)),
+        (("q_m_deg", DEG), ("dq_m_deg_s", DEG), ("tau_m_in_lb", 0.0254 * POUND_FORCE)),
         (("angleDegFiltered", DEG), ("speedRpm", TURN / 60.0), ("torque_foot_pounds", 0.3048 * POUND_FORCE)),
     ],
 )
@@ -90,4 +93,29 @@ def test_the_current_of_a_motor_is_taken_beside_that_of_its_supply(tmp_path: Pat
     supply = np.abs(TORQUE * VELOCITY) / 24.0
     path = _write(tmp_path / "log.csv", time=TIME, q=POSITION, dq=VELOCITY, bus_current=supply, motor_current=TORQUE)
     (read,) = read_named_log(path).recordings
+    np.testing.assert_allclose(read.torque, TORQUE, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["motorCurrentMilliAmps", "iq_mAmps", "current_milliamps", "i_mA"])
+def test_a_current_in_thousandths_is_one_however_it_is_spelled(tmp_path: Path, name: str) -> None:
+    (read,) = read_named_log(_write(tmp_path / "log.csv", time=TIME, q=POSITION, **{name: 1e3 * TORQUE})).recordings
+    np.testing.assert_allclose(read.torque, TORQUE, atol=1e-6)
+    assert read.metadata.torque_unit == "A"
+
+
+@pytest.mark.parametrize(("name", "one"), [("Time (h)", 3600.0), ("time-ms", 1e-3), ("t.sec", 1.0), ("time_min", 60.0)])
+def test_the_unit_of_a_time_is_read_behind_any_mark(tmp_path: Path, name: str, one: float) -> None:
+    path = tmp_path / "log.csv"
+    rows = (f"{t / one!r},{q:.9g},{tau:.9g}" for t, q, tau in zip(TIME, POSITION, TORQUE, strict=True))
+    path.write_text("\n".join([f"{name},q,tau", *rows]) + "\n")
+    (read,) = read_named_log(path).recordings
+    np.testing.assert_allclose(read.time - read.time[0], TIME, atol=1e-6)
+
+
+def test_decimal_commas_between_commas_are_read(tmp_path: Path) -> None:
+    rows = (",".join(f"{x:.6f}".replace(".", ",") for x in row) for row in zip(TIME, POSITION, TORQUE, strict=True))
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(["t,q,tau", *rows]) + "\n")
+    (read,) = read_named_log(path).recordings
+    np.testing.assert_allclose(read.position, POSITION, atol=1e-6)
     np.testing.assert_allclose(read.torque, TORQUE, atol=1e-6)
