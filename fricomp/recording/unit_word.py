@@ -223,7 +223,7 @@ def _read_phrase(matches: Sequence[re.Match[str]]) -> str:
     A time behind another unit divides it. A letter in front of a unit belongs to it where nothing stands between.
     """
     words = [match.group().lower() for match in matches]
-    if (len(words) == 1 and words[0] in _AMBIGUOUS) or _is_preposition(words):
+    if not words or (len(words) == 1 and words[0] in _AMBIGUOUS) or _is_preposition(words):
         return ""
     spelled, prefix, over = "", "", False
     for k, word in enumerate(words):
