@@ -265,8 +265,9 @@ def _find_quantity(name: str, words: list[tuple[str, tuple[int, int]]]) -> tuple
     ]
     if spoken and spoken[-1] in _TIMES:
         return None
-    if len(words) > 1 and _CURRENT.search(name):  # i_q is a current, and neither a position nor a joint's name
-        return next(k for k, (word, _) in enumerate(words) if word == "i"), "current"
+    letter = next((k for k, (word, _) in enumerate(words) if word == "i"), None)
+    if letter is not None and len(words) > 1 and _CURRENT.search(name):  # and neither a position nor a joint's name
+        return letter, "current"  # i_q
     known = [
         k for k, (word, _) in enumerate(words) if word in WORDS and not (_is_q_axis(k, words) or _is_axis(k, words))
     ]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.errors import RecordingError
-from fricomp.recording.named.column import read_column_name
+from fricomp.recording.named.column import read_column_name, read_column_unit
 from fricomp.recording.named.log import read_named_log
 
 TIME = np.arange(2000) / 200.0
@@ -119,3 +119,30 @@ def test_decimal_commas_between_commas_are_read(tmp_path: Path) -> None:
     (read,) = read_named_log(path).recordings
     np.testing.assert_allclose(read.position, POSITION, atol=1e-6)
     np.testing.assert_allclose(read.torque, TORQUE, atol=1e-6)
+
+
+def test_no_name_of_a_column_stops_its_reading() -> None:
+    parts = [
+        *"[]()_-./% °·iqd1",
+        "in",
+        "m",
+        "pos",
+        "Deg",
+        "per",
+        "s",
+        "milli",
+        "Nm",
+        "lb",
+        "current",
+        "ü",
+        "角度",
+        "0.1",
+        "A",
+    ]
+    assert read_column_name("menüi1") is None
+    rng = np.random.default_rng(5)
+    for count in rng.integers(0, 8, 3000):
+        name = "".join(rng.choice(parts, count))
+        for read in (read_column_name, read_column_unit):
+            meaning = read(name)
+            assert meaning is None or meaning.channel
