@@ -12,7 +12,7 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
 
 from .answer import ArmAnswer, TermEvidence
-from .comparison.delays import list_apart
+from .comparison.delays import list_apart, list_mistimed
 from .comparison.links import describe_link, measure_link_change
 from .comparison.lone_link import find_lone_link
 from .comparison.stated import list_stated
@@ -43,7 +43,7 @@ from .words.corrections import say_corrections, say_scaled
 from .words.links import say_link, say_lone_link
 from .words.opening import write_opening
 from .words.quantity import show_quantity
-from .words.signal import say_signal
+from .words.signal import say_mistimed, say_signal
 from .words.stated import say_stated
 
 _UNEVEN = (
@@ -57,7 +57,11 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
     found, arm = answer.identification, answer.identification.fit.arm
     averages = average_friction(found.equations, found.fit, found.prior)
     others = find_alternatives(found.equations, found.fit, found.prior)
-    joints = tuple(_describe_joint(answer, j, averages[j], others) for j in range(len(arm.joints)))
+    mistimed = {arm.joints[j]: _quantity(*time, "s") for j, time in list_mistimed(found).items()}
+    joints = tuple(
+        replace(one, link_delay=mistimed.get(one.name))
+        for one in (_describe_joint(answer, j, averages[j], others) for j in range(len(arm.joints)))
+    )
     intervals = average_links(found.fit, others)
     links = tuple(describe_link(found, i, intervals[i]) for i in range(len(arm.links)))
     delay = found.delay
@@ -241,6 +245,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         opening,
         *(one for one in (*list_doubts(record), *say_unexplained(record)) if one != opening),
         *say_corrections(record),
+        *(one for one in say_mistimed(record.joints) if one != opening),
         *say_shared_causes(record.joints),
         *say_offsets(record.joints),
         *say_unnamed(record.joints),

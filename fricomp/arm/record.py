@@ -116,6 +116,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         stated: What the simulation states of "coulomb", "viscous" and "rotor_inertia", where that is not zero.
         unnamed: Effects that its model and its files hold and that are not named, with the part by which each lowers
             the joint's held-out error: the recording asks for them, and it is little, or not surely them.
+        link_delay: By how much later than the torques of all what the links ask of this joint was recorded, where its
+            friction contradicts that and nothing that is named explains it; None where there is no such time.
     """
 
     name: str
@@ -134,6 +136,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     link_change: float = 0.0
     stated: dict[str, float] = {}
     unnamed: dict[str, float] = {}
+    link_delay: Quantity | None = None
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):

@@ -205,3 +205,11 @@ def test_a_delay_is_told_in_short_where_rows_that_hold_do_not_explain_it() -> No
 def test_joints_of_which_nothing_is_said_are_told_in_short() -> None:
     told = write_summary(replace(_record((_joint("a", None),)), still_joints=("wrist",)), "Fine.")
     assert any("Stood still, so that nothing is said of them: wrist" in line for line in told)
+
+
+def test_a_joint_whose_links_ask_for_another_time_is_told_before_what_is_named_in_it() -> None:
+    early = replace(_joint("a", 0.1), link_delay=Quantity(-0.011, "s", (-0.012, -0.01)))
+    told = write_summary(_record((early, _joint("b", None))), "Off.")
+    (at,) = (k for k, line in enumerate(told) if "a 11 ms earlier (-12 to -10)" in line)
+    assert at < next(k for k, line in enumerate(told) if line.startswith("load_coulomb"))
+    assert not any("at another time" in line for line in write_summary(_record((_joint("a", 0.1),)), "Off."))

@@ -13,7 +13,7 @@ from ..record import ArmRecord, JointEffect, JointFrame, JointRecord
 from .corrections import name_frame, say_corrections, say_scaled
 from .links import name_link, say_lone_link
 from .quantity import show_quantity, show_share
-from .signal import say_odd_delay, say_other_joints, say_tilt
+from .signal import say_mistimed, say_odd_delay, say_other_joints, say_tilt
 from .stated import list_off_stated, say_stated
 
 _LEAST, _SHARE = 3, 0.5
@@ -48,6 +48,7 @@ _SEEK = (
     "To do: look for what else moves or pulls the arm there, record it or hold it still, and run this again. What "
     "joints/NAME/friction.json holds is sure only as far as that is small."
 )
+_LOG = "To do: log the torque that acts in these joints, and run this again."
 _REPEAT = "To do: record again, all joints moving at once by their own drives; until then keep the simulation."
 
 
@@ -60,13 +61,13 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     """
     named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
     off = [link for link in record.links if link.state == "off"]
-    doubts, unexplained = list_doubts(record), say_unexplained(record)
+    doubts, unexplained, mistimed = list_doubts(record), say_unexplained(record), say_mistimed(record.joints)
     framed = bool(record.better_frames or record.torque_scales)
     stated = list_off_stated(record.joints)
     normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off or stated))
-    to_do = _REFRAME if framed else _SEEK if opening in unexplained else normal
+    to_do = _REFRAME if framed else _SEEK if opening in unexplained else _LOG if opening in mistimed else normal
     lines = [opening, *(one for one in (*doubts, *unexplained) if one != opening), *say_corrections(record), to_do]
-    lines += say_shared_causes(record.joints)
+    lines += [*(one for one in mistimed if one != opening), *say_shared_causes(record.joints)]
     kinds = dict.fromkeys((effect.name, say_what(effect)) for _, effect in named)
     lines += [_say_effect([one for one in named if (one[1].name, say_what(one[1])) == kind]) for kind in kinds]
     lines += say_scaled(record.joints)

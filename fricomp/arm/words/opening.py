@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from ..record import ArmRecord, JointRecord
 from .brief import is_unexplained, list_doubts, say_unexplained
 from .quantity import show_share
+from .signal import say_mistimed
 from .stated import list_off_stated
 
 
@@ -15,7 +16,7 @@ def write_opening(record: ArmRecord) -> str:
     named = [f"{joint.name} ({effect.name})" for joint in record.joints for effect in joint.effects]
     if named:
         return f"The simulation leaves out physics in {', '.join(named)}."
-    doubts = (*list_doubts(record), *say_unexplained(record))
+    doubts = (*list_doubts(record), *say_unexplained(record), *say_mistimed(record.joints))
     if doubts:
         return doubts[0]
     off, stated = any(link.state == "off" for link in record.links), list_off_stated(record.joints)
@@ -32,6 +33,8 @@ def write_title(record: ArmRecord) -> str:
         said = "what was found is in doubt"
     elif left := [joint.name for joint in record.joints if is_unexplained(joint)]:
         said = f"unexplained torque in {', '.join(left)}"
+    elif late := [joint.name for joint in record.joints if joint.link_delay is not None]:
+        said = f"torque at another time in {', '.join(late)}"
     elif list_off_stated(record.joints):
         said = "only numbers of the simulation are off"
     elif any(link.state == "off" for link in record.links):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from fricomp.diagnosis.record.result import Quantity
 
-from ..record import ArmRecord
+from ..record import ArmRecord, JointRecord
 
 _HELD = 0.5
 """Of the time between rows: nobody knows of a row at which instant within that it was taken."""
@@ -59,6 +59,23 @@ def say_odd_delay(record: ArmRecord) -> tuple[str, ...]:
 def _is_odd(record: ArmRecord) -> bool:
     low, high = record.delay.ci95
     return max(low, -high) > _HELD * record.period
+
+
+def say_mistimed(joints: Sequence[JointRecord]) -> tuple[str, ...]:
+    """In which joints links ask for another time than friction does, if in any, and what that may be."""
+    shown = [
+        f"{joint.name} {1e3 * abs(time.value):.3g} ms {'later' if time.value > 0.0 else 'earlier'} "
+        f"({1e3 * time.ci95[0]:.3g} to {1e3 * time.ci95[1]:.3g})"
+        for joint in joints
+        if (time := joint.link_delay) is not None
+    ]
+    if not shown:
+        return ()
+    return (
+        f"What the links ask for was recorded at another time than the rest, in {', '.join(shown)}, and friction does "
+        "not show it, as where a command acts through a drive that lags, or a gear gives way: what else is told of "
+        "this joint may stand in for that.",
+    )
 
 
 def say_other_joints(record: ArmRecord) -> tuple[str, ...]:
