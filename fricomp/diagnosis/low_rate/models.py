@@ -16,6 +16,7 @@ from fricomp.laws import (
     EndStop,
     FrictionLaw,
     LoadCoulomb,
+    LoadQuadratic,
     PositionCoulomb,
     QuadraticDrag,
     SpringTorque,
@@ -43,6 +44,7 @@ class Candidate:
         numbers: Its own numbers: names in the model.
         matters: Part of the held-out energy that it has to take.
         held: Numbers of the model that stay as they are.
+        alike: Names of other effects that leave as little.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Candidate:
     numbers: tuple[str, ...]
     matters: float
     held: tuple[str, ...] = ()
+    alike: tuple[str, ...] = ()
 
 
 def write_plain_model(recordings: Sequence[Recording], motion: RecordedMotion) -> FrictionModel:
@@ -103,16 +106,16 @@ def list_candidates(base: Fitted, motion: RecordedMotion, period: float, *, may_
 def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
     """Terms that the law of a fit may lack, each where the motion can show it."""
     has, rows = {term.name for term in base.model.law.terms}, _Rows.gather(base, motion)
-    if "load_coulomb" not in has and _measure_load(base.model, motion) > LOW_RATE.load_matters * measure_level(
-        base, motion
-    ):
-        loaded = _add(base.model, LoadCoulomb(0.05))
-        yield Candidate("load_coulomb", loaded, ("load_coulomb.coefficient",), LOW_RATE.matters)
+    load = _measure_load(base.model, motion)
+    if not has & {LoadCoulomb.name, LoadQuadratic.name} and load > LOW_RATE.load_matters * measure_level(base, motion):
+        for loaded in (LoadCoulomb(0.05), LoadQuadratic(0.05 / load)):
+            numbers = (f"{loaded.name}.coefficient",)
+            yield Candidate(loaded.name, _add(base.model, loaded), numbers, LOW_RATE.matters)
     for term in (COGGING_TERMS[0], POSITION_COULOMB_TERMS[0]):
         wave = None if term.name in has else _find_wave(rows, motion, term)
         if wave is not None:
             numbers = tuple(f"{term.name}.{name}" for name in ("sine", "cosine", "order"))
-            yield Candidate(term.name, _add(base.model, wave), numbers, LOW_RATE.ripple_matters)
+            yield Candidate(term.name, _add(base.model, wave), numbers, LOW_RATE.search_matters)
     if "quadratic_drag" not in has:
         drag = QuadraticDrag(base.rms / max(float(np.mean(rows.velocity**2)), 1e-12))
         yield Candidate("quadratic_drag", _add(base.model, drag), ("quadratic_drag.coefficient",), LOW_RATE.matters)
@@ -122,7 +125,7 @@ def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
     if stop is not None:
         held = ("end_stop.damping", "end_stop.travel", "end_stop.hardening")
         numbers = ("end_stop.stiffness", "end_stop.edge")
-        yield Candidate("end_stop", _add(base.model, stop), numbers, LOW_RATE.matters, held)
+        yield Candidate("end_stop", _add(base.model, stop), numbers, LOW_RATE.search_matters, held)
 
 
 def add_spring(base: Fitted, motion: RecordedMotion) -> Candidate:

@@ -116,11 +116,24 @@ def choose_effects(
             good += [(fall, one, fit)] if worth else []
         if not good:
             return Found(repeats, tuple(fits), tuple(named), _keep_best_of_each(rivals))
-        _, best, fit = max(good, key=lambda one: one[0])
+        best, fit = _choose_simplest(good)
         named.append(best)
         about = read_number(fit.model, "torque_delay") if best.name == "torque_delay" else about
         fits.append(_refine_delay(fit.model, motion, period, about, fit.held))
         fits, named = _leave_out_needless(fits, named, motion, level)
+
+
+def _choose_simplest(good: Sequence[tuple[float, Candidate, Fitted]]) -> tuple[Candidate, Fitted]:
+    """Of the effects that leave about as little as the best, that of the fewest numbers, with the others' names.
+
+    Args:
+        good: Part of the held-out energy that each takes, the effect, and its fit.
+    """
+    most = (1.0 + LOW_RATE.alike) * min(1.0 - fall for fall, _, _ in good)
+    near = [one for one in good if 1.0 - one[0] <= most]
+    _, best, fit = min(near, key=lambda one: (len(one[1].numbers), -one[0]))
+    others = dict.fromkeys(one.name for _, one, _ in near if one.name != best.name)
+    return replace(best, alike=tuple(others)), fit
 
 
 def _leave_out_needless(

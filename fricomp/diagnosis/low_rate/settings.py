@@ -22,8 +22,11 @@ class LowRateSettings:
     much, since the delay is known to a part of a sample alone."""
     agreeing: float = 0.75
     """Part of the blocks of time in which the error has to fall; by chance it is a half."""
-    ripple_matters: float = 0.08
-    """The same part for a ripple, which is the best of many orders."""
+    search_matters: float = 0.08
+    """The same part for a ripple or a stop, which is the best of many orders or edges."""
+    alike: float = 0.1
+    """Part by which an effect of fewer numbers may leave more than another and is named in its place, both being said:
+    what folds differ by."""
     orders_of_range: float = 1.5
     """Waves in the range of the position, more than gravity has there, from which on a wave is a ripple and neither
     gravity nor a spring."""

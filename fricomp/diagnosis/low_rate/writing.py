@@ -57,7 +57,7 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     against = find_one_way([one.name for one in found.named], [part.smooth_velocity for part in motion.parts])
     effects = tuple(_describe(step, found, motion) for step in found.steps if step[0].name not in against)
     noise = _measure_noise(given.recordings, motion)
-    floor = min(noise, found.last.rms)
+    floor = min(noise or np.inf, max(found.last.rms, 1e-300))  # the torque of a held row shows no noise
     is_unknown = _leaves_much(found, motion, noise)
     body = Comparison() if is_unknown else compare_body(given.rigid, found.last, motion)
     effects += tuple(name_shift(one) for one in body.shifts)
@@ -177,7 +177,7 @@ def _describe(step: tuple[Candidate, Fitted, Fitted], found: Found, motion: Reco
         name=one.name,
         kind="measurement" if one.name == "torque_delay" else "physics",
         parameters=shown,
-        indistinguishable_from=_LATE_FRICTION if one.name == "torque_delay" else (),
+        indistinguishable_from=one.alike + (_LATE_FRICTION if one.name == "torque_delay" else ()),
         share=float(np.clip(fall * (before.rms / found.base.rms) ** 2, 0.0, 1.0)),
         equation=effect.equation,
         sentence=effect.says,
