@@ -34,7 +34,7 @@ from .joint.observer import Observer
 from .joint.settings import JOINT
 from .joint.solver import Fit
 from .joint.weak_form import estimate_rest_speed
-from .low_rate.answer import diagnose_low_rate, is_low_rate
+from .low_rate.answer import describe_slow_motion, diagnose_low_rate, is_low_rate
 from .record.result import Diagnosis, Forward
 from .samples.second_look import look_into_samples, remove_ripple
 from .search.late_torque import measure_late_torque
@@ -209,12 +209,21 @@ def _run_stages(
         verdict = join_channels(verdict, read_channels(given.recordings))
         if verdict.sample is not None:
             return write_diagnosis(findings, verdict, remarks=remarks, whole=given.whole)
+        remarks += _look_at_slow_motion(given, verdict, progress)
         proposal = propose_experiment(findings)
         _report(progress, "simulating forward in MuJoCo")
         forward = _simulate_forward(given, findings)
         return write_diagnosis(findings, verdict, proposal, forward, remarks, given.whole)
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
+
+
+def _look_at_slow_motion(given: Given, verdict: Verdict, progress: Progress | None) -> tuple[str, ...]:
+    """What the slow motion alone hints at where nothing could be named."""
+    if verdict.word != "unknown_physics" or verdict.effects:
+        return ()
+    _report(progress, "looking at the slow motion alone")
+    return describe_slow_motion(given)
 
 
 def _answer(

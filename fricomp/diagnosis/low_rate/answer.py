@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from fricomp.errors import DiagnosisError, ParameterError, RecordingError
-from fricomp.evaluation import join_motions, read_motion
+from fricomp.evaluation import RecordedMotion, join_motions, read_motion
 from fricomp.recording import Recording
 
 from ..inputs.given import Given
@@ -17,8 +17,6 @@ from .models import write_plain_model
 from .search import Found, choose_effects, fit_plain_joint
 from .settings import LOW_RATE
 from .writing import write_answer
-
-__all__ = ["diagnose_low_rate", "is_low_rate"]
 
 Progress = Callable[[str], None]
 
@@ -40,22 +38,59 @@ def diagnose_low_rate(given: Given, remarks: Sequence[str] = (), say: Progress |
     Raises:
         DiagnosisError: The recordings are too short, or hardly move.
     """
-    tell = say or (lambda words: None)
+    given, short = _leave_out_short(given)
     try:
-        given, short = _leave_out_short(given)
-        band = min(read_motion(one).band for one in given.recordings)
-        motion = join_motions([read_motion(one, band=band) for one in given.recordings])
-        period = max(one.sample_period for one in given.recordings)
-        tell("fitting the plain joint")
-        plain = write_plain_model(given.recordings, motion)
-        base = fit_plain_joint(plain, motion, period)
-        tell("trying what sliding shows at this rate")
-        found = Found(_measure_repeats(given.recordings), (base,))
-        if not found.is_held:
-            found = choose_effects(base, motion, period, found.repeats, given.rigid)
+        motion, found = _search(given, say or (lambda words: None))
     except (RecordingError, ParameterError, np.linalg.LinAlgError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
     return write_answer(given, motion, found, (*remarks, *short))
+
+
+@np.errstate(over="ignore")
+def describe_slow_motion(given: Given) -> tuple[str, ...]:
+    """Say what the slow part of faster recordings shows, of which their rows say that nothing explains it: a hint and
+    no name, since what the rows show besides is not in it. Nothing where it shows nothing, or is too short.
+
+    Args:
+        given: Checked recordings.
+    """
+    try:
+        slow, _ = _leave_out_short(replace(given, recordings=tuple(map(_average, given.recordings)), whole=()))
+        motion, found = _search(slow, lambda words: None)
+    except (RecordingError, ParameterError, np.linalg.LinAlgError):
+        return ()
+    if not found.named:
+        return ()
+    names = " with ".join(" or ".join((one.name, *one.alike)) for one in found.named)
+    unit = motion.torque_unit
+    return (
+        f"Careful: the slow motion alone, in the band up to {motion.band:g} Hz, is explained better by {names}: the "
+        f"error on data left out falls from {found.base.rms:.3g} to {found.last.rms:.3g} {unit}. A hint and no name.",
+    )
+
+
+def _average(recording: Recording) -> Recording:
+    """The recording in means of as many rows as make the period at which slow motion is looked at."""
+    rows = max(round(LOW_RATE.slow_period / recording.sample_period), 1)
+    kept = len(recording) // rows * rows
+    time, position, torque = (
+        np.asarray(getattr(recording, name))[:kept].reshape(-1, rows).mean(axis=1)
+        for name in ("time", "position", "torque")
+    )
+    return Recording(time, position, torque, metadata=recording.metadata)
+
+
+def _search(given: Given, tell: Progress) -> tuple[RecordedMotion, Found]:
+    """The motion in its band, and what it shows."""
+    band = min(read_motion(one).band for one in given.recordings)
+    motion = join_motions([read_motion(one, band=band) for one in given.recordings])
+    period = max(one.sample_period for one in given.recordings)
+    tell("fitting the plain joint")
+    plain = write_plain_model(given.recordings, motion)
+    base = fit_plain_joint(plain, motion, period)
+    tell("trying what sliding shows at this rate")
+    found = Found(_measure_repeats(given.recordings), (base,))
+    return motion, found if found.is_held else choose_effects(base, motion, period, found.repeats, given.rigid)
 
 
 def _leave_out_short(given: Given) -> tuple[Given, tuple[str, ...]]:

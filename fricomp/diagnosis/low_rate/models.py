@@ -109,8 +109,8 @@ def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
     load = _measure_load(base.model, motion)
     if not has & {LoadCoulomb.name, LoadQuadratic.name} and load > LOW_RATE.load_matters * measure_level(base, motion):
         for loaded in (LoadCoulomb(0.05), LoadQuadratic(0.05 / load)):
-            numbers = (f"{loaded.name}.coefficient",)
-            yield Candidate(loaded.name, _add(base.model, loaded), numbers, LOW_RATE.matters)
+            own = (f"{loaded.name}.coefficient",)
+            yield Candidate(loaded.name, _add(base.model, loaded), own, LOW_RATE.matters)
     for term in (COGGING_TERMS[0], POSITION_COULOMB_TERMS[0]):
         wave = None if term.name in has else _find_wave(rows, motion, term)
         if wave is not None:
@@ -124,8 +124,8 @@ def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
     stop = None if "end_stop" in has else _find_stop(rows)
     if stop is not None:
         held = ("end_stop.damping", "end_stop.travel", "end_stop.hardening")
-        numbers = ("end_stop.stiffness", "end_stop.edge")
-        yield Candidate("end_stop", _add(base.model, stop), numbers, LOW_RATE.search_matters, held)
+        edge = ("end_stop.stiffness", "end_stop.edge")
+        yield Candidate("end_stop", _add(base.model, stop), edge, LOW_RATE.search_matters, held)
 
 
 def add_spring(base: Fitted, motion: RecordedMotion) -> Candidate:

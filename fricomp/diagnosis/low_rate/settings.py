@@ -14,6 +14,8 @@ class LowRateSettings:
     longest_period: float = INPUT.longest_simulated
     """Sample period above which this stage takes over [s]. The rows of the residual see 42 ms: with fewer than three
     samples in them the simulated joint is interpolation."""
+    slow_period: float = 0.025
+    """Period [s] to which rows of faster recordings are averaged where only their slow motion is looked at."""
     matters: float = 0.05
     """Part of the held-out energy by which an effect has to lower the error. A smaller gain is no reason to change a
     simulation, and slight forms of friction that a Coulomb and viscous curve lacks give as much."""

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis import diagnose
+from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.inputs.rigid import RigidJoint
-from fricomp.diagnosis.low_rate.answer import is_low_rate
+from fricomp.diagnosis.low_rate.answer import describe_slow_motion, is_low_rate
 from fricomp.recording import Recording, RecordingMetadata
 
 from .slow_joint import COULOMB, INERTIA, VISCOUS, slow_log
@@ -139,3 +140,11 @@ def test_nothing_is_named_where_readings_come_more_slowly_than_rows() -> None:
     record = diagnose(log.with_channels(position=np.asarray(log.position)[np.maximum(late, 0)])).record
     assert not record.effects
     assert any("repeat the position of the one before" in sentence for sentence in record.sentences)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("load", [0.0, 0.2])
+def test_the_slow_motion_of_a_fast_recording_gives_a_hint(load: float) -> None:
+    log = slow_log(500.0, 91, gravity=3.0, load=load)
+    told = describe_slow_motion(Given((log,), ("fast",), loops=(None,)))
+    assert [("load_coulomb" in one, "no name" in one) for one in told] == ([(True, True)] if load else [])
