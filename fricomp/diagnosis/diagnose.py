@@ -219,8 +219,8 @@ def _run_stages(
 
 
 def _look_at_slow_motion(given: Given, verdict: Verdict, progress: Progress | None) -> tuple[str, ...]:
-    """What the slow motion alone hints at where nothing could be named."""
-    if verdict.word != "unknown_physics" or verdict.effects:
+    """What the slow motion alone hints at where no physics could be named."""
+    if verdict.word != "unknown_physics" or any(one.kind == "physics" for one in verdict.effects):
         return ()
     _report(progress, "looking at the slow motion alone")
     return describe_slow_motion(given)
