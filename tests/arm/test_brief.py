@@ -213,3 +213,17 @@ def test_a_joint_whose_links_ask_for_another_time_is_told_before_what_is_named_i
     (at,) = (k for k, line in enumerate(told) if "a 11 ms earlier (-12 to -10)" in line)
     assert at < next(k for k, line in enumerate(told) if line.startswith("load_coulomb"))
     assert not any("at another time" in line for line in write_summary(_record((_joint("a", 0.1),)), "Off."))
+
+
+def test_torques_that_are_recorded_wrong_are_no_physics_that_is_missing() -> None:
+    joint = _joint("a", 0.1)
+    (effect,) = joint.effects
+    scaled = replace(joint, effects=(replace(effect, name="torque_gain_error"),))
+    record = _record((scaled, _joint("b", None)))
+    assert write_opening(record).startswith("Torques are recorded wrong, and no physics is named: a (")
+    assert write_title(record).endswith("torques are recorded wrong")
+    both = _record((scaled, _joint("b", 0.1)))
+    assert write_opening(both).startswith(
+        "The simulation leaves out physics in a (torque_gain_error), b (load_coulomb)"
+    )
+    assert write_title(both).endswith("physics is missing")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fricomp.diagnosis.effects import EFFECTS
+
 from ..record import ArmRecord, JointRecord
 from .brief import is_unexplained, list_doubts, say_unexplained
 from .quantity import show_share
@@ -14,6 +16,8 @@ from .stated import list_off_stated
 def write_opening(record: ArmRecord) -> str:
     """What is wrong, in a sentence."""
     named = [f"{joint.name} ({effect.name})" for joint in record.joints for effect in joint.effects]
+    if named and is_recorded_wrong(record):
+        return f"Torques are recorded wrong, and no physics is named: {', '.join(named)}."
     if named:
         return f"The simulation leaves out physics in {', '.join(named)}."
     doubts = (*list_doubts(record), *say_unexplained(record), *say_mistimed(record.joints))
@@ -25,10 +29,15 @@ def write_opening(record: ArmRecord) -> str:
     return say_links(record.joints) if off else say_nothing_missing(record.joints)
 
 
+def is_recorded_wrong(record: ArmRecord) -> bool:
+    """Whether all that is named is of the torque signals, such as their scale or their delay."""
+    return {EFFECTS[one.name].kind for joint in record.joints for one in joint.effects} == {"measurement"}
+
+
 def write_title(record: ArmRecord) -> str:
     """The answer in a few words."""
     if any(joint.effects for joint in record.joints):
-        said = "physics is missing"
+        said = "torques are recorded wrong" if is_recorded_wrong(record) else "physics is missing"
     elif list_doubts(record):
         said = "what was found is in doubt"
     elif left := [joint.name for joint in record.joints if is_unexplained(joint)]:
