@@ -16,15 +16,18 @@ from .settings import NEEDS
 from .undetermined import is_open_of_effect
 
 
-def list_objections(refitted: RefittedJoint) -> dict[str, str]:
+def list_objections(refitted: RefittedJoint, *, is_shown: bool = False) -> dict[str, str]:
     """Say for each effect what speaks against its name; nothing for those that have all that they need.
 
     Args:
         refitted: The explanation at its minimum, with fresh derivatives.
+        is_shown: Whether held-out data have shown that something is there: a region about the minimum says less, where
+            a few loud rows make it wide or numbers bend, as those of a stop that is met twice.
     """
     found = {}
+    absence = () if is_shown else (_find_absence,)
     for name in refitted.structure.names:
-        findings = (_find_end, _find_lowest, _find_open, _find_absence)
+        findings = (_find_end, _find_lowest, _find_open, *absence, _find_trade)
         reason = next((said for find in findings if (said := find(refitted, name))), "")
         if reason:
             found[name] = reason
@@ -76,7 +79,7 @@ def _find_lowest(refitted: RefittedJoint, name: str) -> str:
 
 def _find_open(refitted: RefittedJoint, name: str) -> str:
     """Say which number that its effect is looked for by, such as a gap, this recording does not determine."""
-    numbers = refitted.list_parameters(name, "", "")
+    numbers = refitted.list_parameters(name, "", "", fit_alone=True)
     own = [one for owner, one in refitted.structure.parameters if owner == name and one.searched]
     at = next((one.name for one in own if one.name in numbers and is_open_of_effect(one, numbers)), "")
     return f"its {at.replace('_', ' ')} is not determined by this recording" if at else ""
@@ -98,7 +101,7 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
         values = refitted.fit.theta[linear]
         distance = float(values @ np.linalg.pinv(spread, hermitian=True) @ values)
         if distance >= chi2.ppf(NEEDS.sure, len(linear) + len(others)):
-            return _find_trade(refitted, name)
+            return ""
     quantities = refitted.list_parameters(name, "", "")
     intervals = {name: quantity.ci95 for name, quantity in quantities.items()}
     nulls = {p.name: p.null for _, p in own if p.null is not None and p.name in intervals}

@@ -80,10 +80,19 @@ class RefittedJoint:
         _, parameter = self.structure.parameters[index - N_BASE]
         return not parameter.linear and parameter.touches_end(float(self.fit.theta[index]))
 
-    def list_parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+    def list_parameters(
+        self, name: str, torque_unit: str, position_unit: str, *, fit_alone: bool = False
+    ) -> dict[str, Quantity]:
         """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does.
 
         What the recording does not reach is left out, such as a stop at the other end.
+
+        Args:
+            name: Of the effect.
+            torque_unit: Of the recording.
+            position_unit: Likewise.
+            fit_alone: Whether the intervals are what this recording determines, without how far other forms of the
+                effect have theirs elsewhere.
         """
         result = {}
         for index, (owner, parameter) in enumerate(self.structure.parameters, N_BASE):
@@ -95,7 +104,8 @@ class RefittedJoint:
                 value, deviation = self._set_beside_usual_delay(index, parameter.with_delay)
             if parameter.name == "order":
                 deviation = float(np.hypot(deviation, abs(value) * self._uneven_reading))
-            half = 1.96 * float(np.hypot(deviation, parameter.compute_form_deviation(float(value))))
+            form = 0.0 if fit_alone else parameter.compute_form_deviation(float(value))
+            half = 1.96 * float(np.hypot(deviation, form))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
             at_bound = parameter.scale > 0.0 and parameter.touches_end(float(self.fit.theta[index]))

@@ -17,7 +17,7 @@ from .gates import covers, is_confirmed, is_trifling
 from .needs import find_one_way, list_objections
 from .refitted import RefittedJoint
 from .repetition import Repetitions, repeat_choice
-from .settings import NEEDS
+from .settings import GATES, NEEDS
 
 _UNFIT = "its own numbers speak against one of these effects"
 
@@ -64,7 +64,8 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         held = confirm(baseline, tried.structure, tried.fit, seed, given=tried.before)
         if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
             return Trial(repetitions, failed=tried, objections=objections, unfit=unfit)
-        own = list_objections(RefittedJoint.refit(baseline, tried))
+        alone = len(tried.names) == 1 and tried.certain > GATES.overwhelming * found.threshold
+        own = list_objections(RefittedJoint.refit(baseline, tried), is_shown=alone)
         against = own | _list_objections(baseline, found, tried, held, repetitions)
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections)

@@ -32,7 +32,7 @@ def list_undetermined(refitted: RefittedJoint, units: tuple[str, str]) -> tuple[
     """
     found = [name for name, size in _measure_sizes(refitted).items() if _is_open(refitted, name, size)]
     for owner in refitted.structure.names:
-        numbers = refitted.list_parameters(owner, *units)
+        numbers = refitted.list_parameters(owner, *units, fit_alone=True)
         own = [one for name, one in refitted.structure.parameters if name == owner and one.name in numbers]
         found += [f"{owner}.{one.name}" for one in own if is_open_of_effect(one, numbers)]
     return tuple(found)

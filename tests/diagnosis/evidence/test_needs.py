@@ -32,6 +32,24 @@ def test_a_size_whose_interval_holds_zero_is_no_name() -> None:
     assert list_objections(_refitted("load_coulomb", 0.02, coefficient=0.1)) == {}
 
 
+@pytest.mark.parametrize(("deviation", "named"), [(0.07, True), (0.15, False)])
+def test_an_exponent_is_open_by_the_recording_and_not_by_how_forms_differ(deviation: float, named: bool) -> None:
+    found = _refitted("power_law_viscous", deviation, coefficient=1.0, exponent=0.62)
+    objections = list_objections(found)
+    assert objections == {} if named else "not determined" in objections["power_law_viscous"]
+    assert ("power_law_viscous.exponent" in list_undetermined(found, ("N·m", "rad"))) == (not named)
+
+
+def test_waves_that_make_up_for_each_other_are_no_name() -> None:
+    numbers = {"sine": 0.02, "cosine": 0.02, "order": 1.0, "sine_overtone_2": 0.02, "cosine_overtone_2": 0.02}
+    known, found = (_refitted("encoder_eccentricity", one, **numbers) for one in (0.002, 0.02))
+    names = [n for n, (owner, p) in enumerate(found.structure.parameters, N_BASE) if p.name.startswith(("sine", "cos"))]
+    tied = found.covariance.copy()
+    tied[np.ix_(names, names)] = 0.02**2 * (np.eye(len(names)) - np.full((len(names),) * 2, 0.99 / len(names)))
+    assert list_objections(known) == {}
+    assert "make up for each other" in list_objections(replace(found, covariance=tied))["encoder_eccentricity"]
+
+
 def test_both_parts_of_a_wave_are_judged_together() -> None:
     assert list_objections(_refitted("cogging", 0.1, sine=0.2, cosine=0.2, order=40.0)) == {}
     assert list_objections(_refitted("cogging", 0.1, sine=0.15, cosine=0.1, order=40.0))

@@ -31,7 +31,7 @@ def _try(
     monkeypatch.setattr(trial, "confirm", lambda *_, **__: held)
     monkeypatch.setattr(trial, "is_confirmed", lambda *_: True)
     monkeypatch.setattr(RefittedJoint, "refit", lambda *_: None)
-    monkeypatch.setattr(trial, "list_objections", lambda _: dict(against or {}))
+    monkeypatch.setattr(trial, "list_objections", lambda *_, **__: dict(against or {}))
     return put_to_trial(baseline, known_search(*explanations), 0)
 
 

@@ -15,6 +15,9 @@ def test_a_stop_that_the_base_takes_for_gravity_is_a_stop() -> None:
     joint = ToyJoint(stop=(2000.0, 2.0, 0.3, 2e9), torque_noise=0.02)
     found = diagnose(recording(joint, "rich", 16.0))
     assert [effect.name for effect in found.effects] == ["end_stop"]
-    numbers = {name: one.value for name, one in found.effects[0].parameters.items()}
-    assert numbers["stiffness"] == pytest.approx(2000.0, rel=0.1)
-    assert numbers["edge"] == pytest.approx(0.3, abs=5e-3)
+    numbers = found.effects[0].parameters
+    assert numbers["edge"].value == pytest.approx(0.3, abs=5e-3)
+    # It is met for milliseconds, in which stiffness, hardening and the inertia of the contact make up for each other.
+    assert numbers["stiffness"].value == pytest.approx(2000.0, rel=0.25)
+    low, high = numbers["stiffness"].ci95
+    assert low <= 2000.0 <= high
