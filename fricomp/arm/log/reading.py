@@ -19,11 +19,13 @@ from fricomp.recording.named.native import is_native
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.sliding import slides_by_force_alone
 from fricomp.recording.named.source import is_bag_folder
+from fricomp.recording.sources.reader import SUFFIXES
 from fricomp.simulation_file import list_joints
 
 from .sides import join_sides, list_called
 
-_SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
+_SUFFIXES = tuple(one for one in SUFFIXES if one not in (".npy", ".bin"))
+"""Of logs that say what their columns are."""
 
 _LOOKED_AT = 20_000
 """Bytes of a text by which it is told whether it holds numbers."""

@@ -28,7 +28,7 @@ _READERS_OF_WORDS: dict[Format, Callable[[Path, Source], Contents]] = {
     "parquet": read_table,
     "hdf5": read_hdf5,
 }
-_SUFFIXES: dict[str, Format] = {
+SUFFIXES: dict[str, Format] = {
     ".csv": "text",
     ".txt": "text",
     ".dat": "text",
@@ -52,6 +52,7 @@ _SUFFIXES: dict[str, Format] = {
     ".arrow": "parquet",
     ".ipc": "parquet",
 }
+"""Formats by the suffixes of files."""
 _ELSEWHERE = {
     ".xlsx": "a spreadsheet", ".xls": "a spreadsheet", ".ods": "a spreadsheet",
     ".db": "a data base", ".sqlite": "a data base", ".sqlite3": "a data base",
@@ -141,12 +142,12 @@ def _guess_format(path: Path) -> Format:
     if path.is_dir():
         refuse_data_set(path)
         return "rosbag2"
-    if path.suffix.lower() not in _SUFFIXES:
+    if path.suffix.lower() not in SUFFIXES:
         if is_text(path):
             return "text"
         known = ", ".join(("text", *_READERS, *_READERS_OF_WORDS))
         raise RecordingError(f"{path.name}: unknown suffix; name the format in the mapping: {known}")
-    return _SUFFIXES[path.suffix.lower()]
+    return SUFFIXES[path.suffix.lower()]
 
 
 def is_text(path: Path) -> bool:
@@ -156,8 +157,8 @@ def is_text(path: Path) -> bool:
         RecordingError: It is of a format that is not read, but saved as CSV by the program that wrote it.
     """
     suffix = path.suffix.lower()
-    if suffix in _SUFFIXES:
-        return _SUFFIXES[suffix] == "text"
+    if suffix in SUFFIXES:
+        return SUFFIXES[suffix] == "text"
     if suffix in _ELSEWHERE:
         raise RecordingError(
             f"{path} is {_ELSEWHERE[suffix]}, which is not read here: save it as CSV or Parquet there, or as MAT "

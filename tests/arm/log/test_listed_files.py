@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from fricomp.arm.log.reading import list_log_files
 
 
@@ -20,3 +22,10 @@ def test_words_beside_logs_are_no_log(tmp_path: Path) -> None:
     assert [one.name for one in list_log_files([str(alone)])] == [
         "notes.txt"
     ]  # whose reader says what is wrong with it
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".hdf5", ".feather", ".jsonl", ".MAT", ".tsv"])
+def test_a_folder_holds_logs_of_every_format_that_names_its_columns(suffix: str, tmp_path: Path) -> None:
+    (tmp_path / f"joint_1{suffix}").write_bytes(b"anything")
+    (tmp_path / "picture.png").write_bytes(b"anything")
+    assert [one.name for one in list_log_files([str(tmp_path)])] == [f"joint_1{suffix}"]
