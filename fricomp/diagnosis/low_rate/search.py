@@ -85,7 +85,7 @@ def fit_plain_joint(plain: FrictionModel, motion: RecordedMotion, period: float)
     base = _refine_delay(plain, motion, period)
     bent = _refine_delay(bend_curve(base.model), motion, period, held=("symmetric_stribeck.stribeck_exponent",))
     curve = Candidate("", bent.model, (), LOW_RATE.matters)
-    return bent if _is_worth(curve, (base, bent), measure_level(base, motion)) else base
+    return bent if _is_worth(curve, (base, bent), 0.0) else base
 
 
 def choose_effects(
