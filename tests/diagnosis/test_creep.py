@@ -10,7 +10,8 @@ from fricomp.diagnosis.joint.base import unpack
 from fricomp.diagnosis.joint.kernel import LANES, observe
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer, Plant
-from fricomp.diagnosis.search.preparation import Baseline, prepare
+from fricomp.diagnosis.search.preparation import Baseline, may_creep, prepare
+from fricomp.recording import Recording
 
 from .friction_loss import STICKING, FrictionLoss, recording
 
@@ -63,6 +64,16 @@ def test_creep_is_found_where_the_simulator_made_it(time: float, kind: str, rate
     assert plant.creep_lead == pytest.approx(1.0 / truth.rate, abs=1e-3)
     assert plant.level == pytest.approx(truth.level, rel=0.05)
     assert baseline.noise_ratio < 1.1
+
+
+@pytest.mark.parametrize(("back", "shown"), [(0.0, False), (0.01, False), (0.1, True), (0.5, True)])
+def test_a_motion_in_one_direction_shows_no_creep(back: float, shown: bool) -> None:
+    """A motor that turned one way, with cogging, had taken a base that creeps, and a wave of another order."""
+    speed = np.where(np.arange(1000) < 1000 * back, -1.0, 1.0)
+    position = np.cumsum(speed) * 1e-2
+    time = np.arange(1000, dtype=np.float64) * np.float64(1e-2)
+    tracks = build_tracks([Recording(time, position, np.sign(speed))], [None])
+    assert may_creep(tracks) is shown
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from ..joint.base_fit import propose_creep_starts
 from ..joint.race import Entry, Race
 from ..joint.solver import Box
 from .explanation import Explanation
-from .preparation import Baseline, find_top_speed
+from .preparation import Baseline, find_top_speed, may_creep
 from .refit import fit_from
 from .search import SearchResult
 from .settings import SEARCH
@@ -32,7 +32,7 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
         found: What the search found.
     """
     best = found.leading
-    if best is None or baseline.fit.theta[_CREEP] > 0.0:
+    if best is None or baseline.fit.theta[_CREEP] > 0.0 or not may_creep(baseline.problem.tracks):
         return None
     residual = best.fit.residual
     if found.best is None and float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size:

@@ -16,7 +16,7 @@ from ..effects.context import build_contexts
 from ..effects.structure import Structure
 from ..effects.time_window import find_time_windows
 from ..inputs.rigid import RigidJoint
-from ..inputs.track import FloatArray, Track
+from ..inputs.track import FloatArray, Track, measure_way_back
 from ..joint.base import BaseModel, unpack
 from ..joint.base_fit import fit_base, fit_creep, fit_creeping, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
@@ -178,7 +178,8 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
     much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
     one that sticks, so it is judged by nulls of its own.
     """
-    tried = fit_creep(problem, fit, box, find_top_speed(raw.tracks)) if is_loud(fit) else None
+    shown = is_loud(fit) and may_creep(raw.tracks)
+    tried = fit_creep(problem, fit, box, find_top_speed(raw.tracks)) if shown else None
     if tried is None:
         return fit, box
     found, free = tried
@@ -192,6 +193,12 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
     quiet = found.residual @ found.residual <= SEARCH.quiet_creep**2 * left
     accepted = (quiet and after < before) or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
     return (found, free) if accepted else (fit, box)
+
+
+def may_creep(tracks: Sequence[Track]) -> bool:
+    """Whether motions show what tells friction that creeps from such that holds: one in one direction has no reversal,
+    and whatever is missing there looks like a little creep."""
+    return measure_way_back([track.velocity for track in tracks]) > SEARCH.creep_back
 
 
 def find_top_speed(tracks: Sequence[Track]) -> float:
