@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
-from ..record.result import Change, Kind, Quantity
+from ..record.result import Change, Kind, Location, NamedEffect, Quantity
 from .settings import PARAMETERS
 
 
@@ -72,6 +73,28 @@ class Shift:
     alike: tuple[str, ...] = ()
     equation: str = ""
     citation: str = ""
+
+    def to_effect(
+        self, share: float = 0.0, location: Location | None = None, instead: Sequence[str] = ()
+    ) -> NamedEffect:
+        """The effect of an answer.
+
+        Args:
+            share: Of the mismatch; 0 where it is in the joint that all errors are of.
+            location: Where it shows; None where nobody looked.
+            instead: Further effects that explain as much.
+        """
+        return NamedEffect(
+            name=self.name,
+            kind=self.kind,
+            parameters=self.parameters,
+            indistinguishable_from=(*self.alike, *instead),
+            location=location or {},
+            share=share,
+            equation=self.equation,
+            sentence=self.sentence,
+            citation=self.citation,
+        )
 
 
 @dataclass(frozen=True)

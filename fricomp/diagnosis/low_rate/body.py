@@ -9,11 +9,10 @@ import numpy as np
 from fricomp.evaluation import RecordedMotion
 
 from ..delivery.models import GivenModel
-from ..evidence.comparison import Comparison, Shift, Tolerances
+from ..evidence.comparison import Comparison, Tolerances
 from ..evidence.rigid_comparison import compare_rigid
 from ..inputs.rigid import RigidJoint
 from ..joint.observer import Plant
-from ..record.result import NamedEffect
 from .held_out import Fitted, measure_acceleration, measure_level, read_number
 from .settings import LOW_RATE
 
@@ -55,20 +54,6 @@ def compare_body(rigid: RigidJoint | None, fit: Fitted, motion: RecordedMotion) 
         and not one.refitted.ci95[0] <= one.given <= one.refitted.ci95[1]
     ]
     return Comparison(found.shifts, tuple(told)) if told else Comparison()
-
-
-def name_shift(shift: Shift) -> NamedEffect:
-    """A shift as an answer has it. Its share is not counted: it is in the joint that all errors are of."""
-    return NamedEffect(
-        name=shift.name,
-        kind=shift.kind,
-        parameters=shift.parameters,
-        indistinguishable_from=shift.alike,
-        share=0.0,
-        equation=shift.equation,
-        sentence=shift.sentence,
-        citation=shift.citation,
-    )
 
 
 def put_back(rigid: RigidJoint, fit: Fitted) -> GivenModel:

@@ -34,7 +34,7 @@ from ..record.result import (
     VerdictName,
 )
 from ..record.sentence import WITHOUT_SIMULATION, Notes, write_record
-from .body import compare_body, name_shift, put_back
+from .body import compare_body, put_back
 from .held_out import Fitted, compute_fall, measure_acceleration, measure_level, read_number
 from .models import Candidate, find_highest_order
 from .search import Found
@@ -60,7 +60,7 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     floor = min(noise or np.inf, max(found.last.rms, 1e-300))  # the torque of a held row shows no noise
     is_unknown = _leaves_much(found, motion, noise)
     body = Comparison() if is_unknown else compare_body(given.rigid, found.last, motion)
-    effects += tuple(name_shift(one) for one in body.shifts)
+    effects += tuple(one.to_effect() for one in body.shifts)
     word = _choose_word(effects, is_unknown=is_unknown)
     fall, _, ends = compute_fall(found.base, found.last)
     explained = float(np.clip(fall / max(1.0 - (floor / found.base.rms) ** 2, 1e-12), 0.0, 1.0))

@@ -122,17 +122,7 @@ def _print_form(findings: Findings, one: EffectEvidence) -> tuple[str, str, dict
 def _name_shift(findings: Findings, shift: Shift, share: float, location: Location) -> NamedEffect:
     """A moved parameter; inertia and gravity with the effects that explain as much."""
     instead = findings.case.instead if shift.name in BODY_SHIFTS else ()
-    return NamedEffect(
-        name=shift.name,
-        kind=shift.kind,
-        parameters=shift.parameters,
-        indistinguishable_from=(*shift.alike, *instead),
-        location=location,
-        share=share,
-        equation=shift.equation,
-        sentence=shift.sentence,
-        citation=shift.citation,
-    )
+    return shift.to_effect(share, location, instead)
 
 
 def name_late_action(findings: Findings) -> NamedEffect:
