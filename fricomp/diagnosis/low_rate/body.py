@@ -13,7 +13,7 @@ from ..evidence.comparison import Comparison, Tolerances
 from ..evidence.rigid_comparison import compare_rigid
 from ..inputs.rigid import RigidJoint
 from ..joint.observer import Plant
-from .held_out import Fitted, measure_acceleration, measure_level, read_number
+from .held_out import Fitted, fit_held_out, measure_acceleration, measure_level, read_number
 from .settings import LOW_RATE
 
 _NUMBERS = ("inertia", "gravity_cosine", "gravity_sine", "offset")
@@ -62,3 +62,9 @@ def put_back(rigid: RigidJoint, fit: Fitted) -> GivenModel:
     cosine, sine = rigid.gravity
     body = replace(fit.model.dynamics, inertia=rigid.inertia, gravity_cosine=cosine, gravity_sine=sine)
     return GivenModel(replace(fit.model, dynamics=replace(body, load_inertia=0.0)), (*fit.held, *_NUMBERS[:3]))
+
+
+def fit_as_given(rigid: RigidJoint, fit: Fitted, motion: RecordedMotion) -> Fitted:
+    """The joint with the simulation's body, all else refitted."""
+    given = put_back(rigid, fit)
+    return fit_held_out(given.model, motion, given.held)

@@ -34,7 +34,7 @@ from ..record.result import (
     VerdictName,
 )
 from ..record.sentence import WITHOUT_SIMULATION, Notes, write_record
-from .body import compare_body, put_back
+from .body import compare_body, fit_as_given, put_back
 from .held_out import Fitted, compute_fall, measure_acceleration, measure_level, read_number
 from .models import Candidate, find_highest_order
 from .search import Found
@@ -60,10 +60,12 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     floor = min(noise or np.inf, max(found.last.rms, 1e-300))  # the torque of a held row shows no noise
     is_unknown = _leaves_much(found, motion, noise)
     body = Comparison() if is_unknown else compare_body(given.rigid, found.last, motion)
-    effects += tuple(one.to_effect() for one in body.shifts)
+    alone = given.rigid if body.shifts and not effects else None  # the simulation, where its body is all that is off
+    before = found.base if alone is None else fit_as_given(alone, found.last, motion)
+    fall, _, ends = compute_fall(before, found.last)
+    explained = float(np.clip(fall / max(1.0 - (floor / before.rms) ** 2, 1e-12), 0.0, 1.0))
+    effects += tuple(one.to_effect(0.0 if alone is None else explained) for one in body.shifts)
     word = _choose_word(effects, is_unknown=is_unknown)
-    fall, _, ends = compute_fall(found.base, found.last)
-    explained = float(np.clip(fall / max(1.0 - (floor / found.base.rms) ** 2, 1e-12), 0.0, 1.0))
     delivery = _deliver(given, motion, found, effects)
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
@@ -71,8 +73,9 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
         effects=effects,
         errors=delivery.errors,
         heldout=HeldOut(
-            rmse_before=found.base.rms, rmse_after=found.last.rms, noise_floor=floor, unit=motion.torque_unit,
+            rmse_before=before.rms, rmse_after=found.last.rms, noise_floor=floor, unit=motion.torque_unit,
             ci95_reduction=ends, explained=explained if effects else 0.0,
+            before="refitted" if alone is None else "given",
         ),
         noise_ratio=found.base.rms / floor,
         coverage=explained if effects else None,
@@ -89,7 +92,7 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     )
     return Diagnosis(
         record=write_record(fields, notes),
-        evidence=Evidence(series=_list_series(given, motion, found, floor), files=delivery.series),
+        evidence=Evidence(series=_list_series(given, motion, (before, found.last), floor), files=delivery.series),
         base_model=delivery.base,
         extended_model=delivery.extended,
         folds=delivery.folds,
@@ -226,9 +229,11 @@ def _judge_model(model: FrictionModel, motion: RecordedMotion) -> FrictionModel:
     return replace(model, provenance=replace(model.provenance, status="not_identifiable", message=reason))
 
 
-def _list_series(given: Given, motion: RecordedMotion, found: Found, floor: float) -> tuple[RowSeries, ...]:
+def _list_series(
+    given: Given, motion: RecordedMotion, fits: tuple[Fitted, Fitted], floor: float
+) -> tuple[RowSeries, ...]:
     """What the plots show: torque that is left, where the joint moves; nothing of a part in which it does not."""
-    base, last = found.base, found.last
+    base, last = fits
     series, start = [], 0
     assert last.model.dynamics is not None
     for k, part in enumerate(motion.parts):

@@ -102,6 +102,9 @@ def test_what_a_simulation_has_wrong_is_named(given: RigidJoint, name: str) -> N
     assert [one.name for one in record.effects] == ([name] if name else [])
     assert record.verdict == ("parameters" if name else "consistent")
     assert bool(record.changes) == bool(name)
+    assert record.heldout is not None
+    assert (record.heldout.before == "given") == bool(name)
+    assert (record.heldout.rmse_before > 1.2 * record.heldout.rmse_after) == bool(name)
 
 
 @pytest.mark.slow
