@@ -45,6 +45,7 @@ class Candidate:
         matters: Part of the held-out energy that it has to take.
         held: Numbers of the model that stay as they are.
         alike: Names of other effects that leave as little.
+        shown: Part of its torque that the plain joint cannot make up for.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Candidate:
     matters: float
     held: tuple[str, ...] = ()
     alike: tuple[str, ...] = ()
+    shown: float = 1.0
 
 
 def write_plain_model(recordings: Sequence[Recording], motion: RecordedMotion) -> FrictionModel:
@@ -117,8 +119,7 @@ def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
             numbers = tuple(f"{term.name}.{name}" for name in ("sine", "cosine", "order"))
             yield Candidate(term.name, _add(base.model, wave), numbers, LOW_RATE.search_matters)
     if "quadratic_drag" not in has:
-        drag = QuadraticDrag(base.rms / max(float(np.mean(rows.velocity**2)), 1e-12))
-        yield Candidate("quadratic_drag", _add(base.model, drag), ("quadratic_drag.coefficient",), LOW_RATE.matters)
+        yield add_drag(base, motion)
     if "spring_torque" not in has:
         yield add_spring(base, motion)
     stop = None if "end_stop" in has else _find_stop(rows)
@@ -126,6 +127,13 @@ def _list_laws(base: Fitted, motion: RecordedMotion) -> Iterator[Candidate]:
         held = ("end_stop.damping", "end_stop.travel", "end_stop.hardening")
         edge = ("end_stop.stiffness", "end_stop.edge")
         yield Candidate("end_stop", _add(base.model, stop), edge, LOW_RATE.search_matters, held)
+
+
+def add_drag(base: Fitted, motion: RecordedMotion) -> Candidate:
+    """Drag, most of which viscous and Coulomb friction make up for."""
+    drag = QuadraticDrag(base.rms / max(float(np.mean(_Rows.gather(base, motion).velocity ** 2)), 1e-12))
+    numbers = ("quadratic_drag.coefficient",)
+    return Candidate("quadratic_drag", _add(base.model, drag), numbers, LOW_RATE.matters, shown=LOW_RATE.drag_shown)
 
 
 def add_spring(base: Fitted, motion: RecordedMotion) -> Candidate:

@@ -13,7 +13,7 @@ from fricomp.model import FrictionModel
 from ..inputs.rigid import RigidJoint
 from ..record.result import Rival
 from .held_out import Fitted, compute_fall, fit_held_out, measure_level, read_number
-from .models import Candidate, add_spring, bend_curve, leave_out, list_candidates, replace_delay
+from .models import Candidate, add_drag, add_spring, bend_curve, leave_out, list_candidates, replace_delay
 from .settings import LOW_RATE
 
 _SMALL = "it lowers the error on data left out by too little, or not in most blocks of time"
@@ -85,7 +85,11 @@ def fit_plain_joint(plain: FrictionModel, motion: RecordedMotion, period: float)
     base = _refine_delay(plain, motion, period)
     bent = _refine_delay(bend_curve(base.model), motion, period, held=("symmetric_stribeck.stribeck_exponent",))
     curve = Candidate("", bent.model, (), LOW_RATE.matters)
-    return bent if _is_worth(curve, (base, bent), 0.0) else base
+    if not _is_worth(curve, (base, bent), 0.0):
+        return base
+    # A drag bends the curve with one number where this one needs two.
+    drag = fit_held_out(add_drag(base, motion).model, motion)
+    return base if drag.rms**2 <= (1.0 + LOW_RATE.alike) * bent.rms**2 else bent
 
 
 def choose_effects(
@@ -180,7 +184,7 @@ def _is_worth(one: Candidate, fits: tuple[Fitted, Fitted], level: float) -> bool
     sizes = [abs(read_number(after.model, name)) for name in own]
     strays = [LOW_RATE.certain * after.deviation(name) for name in own]
     known = not own or float(np.hypot.reduce(sizes)) > float(np.hypot.reduce(strays))
-    return sure and known and size >= LOW_RATE.of_friction * level
+    return sure and known and size >= LOW_RATE.of_friction * one.shown * level
 
 
 def _keep_best_of_each(rivals: Sequence[Rival]) -> tuple[Rival, ...]:

@@ -22,6 +22,8 @@ class LowRateSettings:
     of_friction: float = 0.03
     """Torque of an effect, in that of the sliding friction, below which it is none: numbers of plain joints stray by as
     much, since the delay is known to a part of a sample alone."""
+    drag_shown: float = 0.2
+    """Part of a drag's torque that is left where viscous and Coulomb friction are refitted, on a typical motion."""
     agreeing: float = 0.75
     """Part of the blocks of time in which the error has to fall; by chance it is a half."""
     search_matters: float = 0.08

@@ -83,6 +83,14 @@ def test_a_stop_is_named_with_its_edge() -> None:
 
 
 @pytest.mark.slow
+def test_a_drag_is_named_though_viscous_friction_makes_up_for_most_of_it() -> None:
+    (effect,) = diagnose(slow_log(40.0, 85, more=lambda q, v: 0.25 * v * abs(v))).effects
+    assert effect.name == "quadratic_drag"
+    low, high = effect.parameters["coefficient"].ci95
+    assert low <= 0.25 <= high
+
+
+@pytest.mark.slow
 def test_friction_that_waves_with_the_angle_is_named() -> None:
     level = 0.15
     (effect,) = diagnose(slow_log(40.0, 83, more=lambda q, v: level * np.cos(4.0 * q) * np.sign(v))).effects
