@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from ..effects import EFFECTS
 from ..effects.effect import compute_lowest_order
 from ..effects.structure import N_BASE
-from ..inputs.track import FloatArray, measure_way_back
+from ..inputs.track import FloatArray, goes_one_way
 from .refitted import RefittedJoint, condition
 from .settings import NEEDS
 from .undetermined import is_open_of_effect
@@ -44,7 +44,7 @@ def find_one_way(names: Sequence[str], velocities: Sequence[FloatArray]) -> dict
         names: Of the effects.
         velocities: Of the motions [rad/s] or [m/s]. Each of shape (n,).
     """
-    if measure_way_back(velocities) > NEEDS.back:
+    if not goes_one_way(velocities):
         return {}
     said = "the joint moves in one direction only, which shows what depends on the angle and nothing else"
     return {name: said for name in names if not EFFECTS[name].ripple}

@@ -115,14 +115,12 @@ class NeedSettings:
         share: Share of the repetitions in which a name must come again. Below it, it is told as a remark.
         plain: Part of the held-out energy above the noise, each row counting alike, that must go.
         trace: Part of it below which what covers the mismatch where rows weigh most is nothing that is missing.
-        back: Part of the way that leads back, below which a motion goes one way: as in the checks of a recording.
     """
 
     sure: float = 0.95
     share: float = 0.9
     plain: float = 0.5
     trace: float = 0.05
-    back: float = 0.02
 
 
 @dataclass(frozen=True)

@@ -98,6 +98,8 @@ class InputSettings:
     )
     """Student's noise: degrees of freedom, robust over true deviation of its second differences, and their 0.99
     quantile over their median (from four million draws each). The last one stands for normal noise."""
+    back: float = 0.02
+    """Part of the way that leads back, below which a motion goes one way, as in the checks of a recording."""
 
 
 INPUT = InputSettings()

@@ -214,14 +214,14 @@ def choose_step(recordings: Sequence[Recording]) -> float:
     return float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else float(dt / np.ceil(dt / 2.5e-3))
 
 
-def measure_way_back(velocities: Sequence[FloatArray]) -> float:
-    """Part of the way of motions that leads the rarer way: 0 where they go one way, a half where they come back.
+def goes_one_way(velocities: Sequence[FloatArray]) -> bool:
+    """Whether hardly any part of the way of motions leads back.
 
     Args:
         velocities: Of the motions [rad/s] or [m/s]. Each of shape (n,).
     """
     forth, back = (sum(float(np.sum(np.maximum(side * one, 0.0))) for one in velocities) for side in (1.0, -1.0))
-    return min(forth, back) / max(forth + back, 1e-300)
+    return min(forth, back) <= INPUT.back * (forth + back)
 
 
 def find_encoder_step(position: FloatArray) -> float:

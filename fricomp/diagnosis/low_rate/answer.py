@@ -28,7 +28,7 @@ def is_low_rate(recordings: Sequence[Recording]) -> bool:
 
 @np.errstate(over="ignore")  # friction that falls over next to no speed
 def diagnose_low_rate(given: Given, remarks: Sequence[str] = (), say: Progress | None = None) -> Diagnosis:
-    """Compare a plain joint with one that has a load, a ripple or a delay, by their errors on data left out.
+    """Compare a plain joint with one that has an effect of those that sliding shows, by their errors on data left out.
 
     Args:
         given: Checked recordings, one of them too slow for the rows of the residual.

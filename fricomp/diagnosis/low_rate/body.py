@@ -14,6 +14,7 @@ from ..evidence.rigid_comparison import compare_rigid
 from ..inputs.rigid import RigidJoint
 from ..joint.observer import Plant
 from .held_out import Fitted, fit_held_out, measure_acceleration, measure_level, read_number
+from .models import replace_gravity
 from .settings import LOW_RATE
 
 _NUMBERS = ("inertia", "gravity_cosine", "gravity_sine", "offset")
@@ -58,10 +59,10 @@ def compare_body(rigid: RigidJoint | None, fit: Fitted, motion: RecordedMotion) 
 
 def put_back(rigid: RigidJoint, fit: Fitted) -> GivenModel:
     """The joint with the simulation's body: its error is that before the answer."""
-    assert fit.model.dynamics is not None
-    cosine, sine = rigid.gravity
-    body = replace(fit.model.dynamics, inertia=rigid.inertia, gravity_cosine=cosine, gravity_sine=sine)
-    return GivenModel(replace(fit.model, dynamics=replace(body, load_inertia=0.0)), (*fit.held, *_NUMBERS[:3]))
+    model = replace_gravity(fit.model, rigid)
+    assert model.dynamics is not None
+    body = replace(model.dynamics, inertia=rigid.inertia, load_inertia=0.0)
+    return GivenModel(replace(model, dynamics=body), (*fit.held, *_NUMBERS[:3]))
 
 
 def fit_as_given(rigid: RigidJoint, fit: Fitted, motion: RecordedMotion) -> Fitted:

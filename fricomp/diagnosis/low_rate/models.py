@@ -29,6 +29,7 @@ from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
 from fricomp.recording import Recording
 from fricomp.root_mean_square import compute_rms
 
+from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from .held_out import Fitted, measure_level
 from .settings import LOW_RATE
@@ -160,6 +161,13 @@ def leave_out(model: FrictionModel, name: str) -> FrictionModel:
     return model.with_law(FrictionLaw(tuple(term for term in model.law.terms if term.name != name)))
 
 
+def replace_gravity(model: FrictionModel, given: RigidJoint) -> FrictionModel:
+    """The model with the gravity of the simulation."""
+    assert model.dynamics is not None
+    cosine, sine = given.gravity
+    return replace(model, dynamics=replace(model.dynamics, gravity_cosine=cosine, gravity_sine=sine))
+
+
 def replace_delay(model: FrictionModel, delay: float) -> FrictionModel:
     """The model with a torque that acts so long after its stamp [s]."""
     assert model.dynamics is not None
@@ -214,10 +222,11 @@ class _Rows:
 
 def _find_wave(rows: _Rows, motion: RecordedMotion, term: type[Cogging | PositionCoulomb]) -> Term | None:
     """A wave of the order that explains most of what is left; None where the range holds no wave of the band."""
-    q, sign = rows.position, np.ones(rows.left.size) if term is COGGING_TERMS[0] else np.sign(rows.velocity)
+    q, is_level = rows.position, term is POSITION_COULOMB_TERMS[0]
+    sign = np.sign(rows.velocity) if is_level else np.ones(q.size)
     step = 2.0 * np.pi / max(float(np.ptp(q)), 1e-12)
-    fewest = LOW_RATE.orders_of_range if term is COGGING_TERMS[0] else LOW_RATE.levels_of_range
-    gravity = 1.0 if term is COGGING_TERMS[0] and motion.position_unit == "rad" else 0.0
+    fewest = LOW_RATE.levels_of_range if is_level else LOW_RATE.orders_of_range
+    gravity = 0.0 if is_level or motion.position_unit != "rad" else 1.0
     lowest, highest = gravity + fewest * step, find_highest_order(motion)
     count = int((highest - lowest) / (LOW_RATE.order_steps * step)) + 1
     if highest <= lowest or count > LOW_RATE.most_orders:
@@ -239,9 +248,9 @@ def _find_stop(rows: _Rows) -> EndStop | None:
     found = []
     for side in (1.0, -1.0):
         for edge in np.quantile(side * q, LOW_RATE.stop_edges):
-            depth = side * np.maximum(side * q - edge, 0.0)
-            numbers = _solve(np.column_stack([plain, depth]), rows.left)
-            left = rows.left - np.column_stack([plain, depth]) @ numbers
+            columns = np.column_stack([plain, side * np.maximum(side * q - edge, 0.0)])
+            numbers = _solve(columns, rows.left)
+            left = rows.left - columns @ numbers
             if numbers[-1] > 0.0:
                 found.append((float(left @ left), float(numbers[-1]), side * float(edge), side))
     if not found:

@@ -13,7 +13,16 @@ from fricomp.model import FrictionModel
 from ..inputs.rigid import RigidJoint
 from ..record.result import Rival
 from .held_out import Fitted, compute_fall, fit_held_out, measure_level, read_number
-from .models import Candidate, add_drag, add_spring, bend_curve, leave_out, list_candidates, replace_delay
+from .models import (
+    Candidate,
+    add_drag,
+    add_spring,
+    bend_curve,
+    leave_out,
+    list_candidates,
+    replace_delay,
+    replace_gravity,
+)
 from .settings import LOW_RATE
 
 _SMALL = "it lowers the error on data left out by too little, or not in most blocks of time"
@@ -159,10 +168,8 @@ def _find_spring(
 ) -> tuple[Fitted, Candidate, Fitted] | None:
     """A spring beside the simulation's gravity, the fit without it and that with it, where it leaves no more than
     another gravity does: over a short range the two bend alike, and a simulation is not departed from without need."""
-    assert base.model.dynamics is not None
-    cosine, sine = given.gravity
-    body = replace(base.model.dynamics, gravity_cosine=cosine, gravity_sine=sine)
-    own = fit_held_out(replace(base.model, dynamics=body), motion, (*base.held, "gravity_cosine", "gravity_sine"))
+    held = (*base.held, "gravity_cosine", "gravity_sine")
+    own = fit_held_out(replace_gravity(base.model, given), motion, held)
     spring = add_spring(own, motion)
     fit = fit_held_out(spring.model, motion, spring.held)
     return (own, spring, fit) if fit.rms <= base.rms and _is_worth(spring, (own, fit), level) else None

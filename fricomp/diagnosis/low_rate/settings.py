@@ -27,19 +27,19 @@ class LowRateSettings:
     agreeing: float = 0.75
     """Part of the blocks of time in which the error has to fall; by chance it is a half."""
     search_matters: float = 0.08
-    """The same part for a ripple or a stop, which is the best of many orders or edges."""
+    """Part of the held-out energy that a ripple or a stop has to take: it is the best of many orders or edges."""
     alike: float = 0.1
     """Part by which an effect of fewer numbers may leave more than another and is named in its place, both being said:
     what folds differ by."""
     orders_of_range: float = 1.5
     """Waves in the range of the position, more than gravity has there, from which on a wave is a ripple and neither
     gravity nor a spring."""
+    levels_of_range: float = 1.0
+    """The same for a level of friction that waves: nothing of the plain joint does."""
     rises: float = 1.3
     """Friction from rest over the Coulomb torque where the fit of a falling curve starts; it leads away from there."""
     falls_by: float = 0.05
     """Part of the top speed over which it falls there; the fit tries others."""
-    levels_of_range: float = 1.0
-    """The same for a level of friction that waves: nothing of the plain joint does."""
     stop_edges: tuple[float, ...] = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.99)
     """Quantiles of the position at which a stop is tried, from either end."""
     repeated: float = 0.15

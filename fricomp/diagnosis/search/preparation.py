@@ -16,7 +16,7 @@ from ..effects.context import build_contexts
 from ..effects.structure import Structure
 from ..effects.time_window import find_time_windows
 from ..inputs.rigid import RigidJoint
-from ..inputs.track import FloatArray, Track, measure_way_back
+from ..inputs.track import FloatArray, Track, goes_one_way
 from ..joint.base import BaseModel, unpack
 from ..joint.base_fit import fit_base, fit_creep, fit_creeping, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
@@ -198,7 +198,7 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
 def may_creep(tracks: Sequence[Track]) -> bool:
     """Whether motions show what tells friction that creeps from such that holds: one in one direction has no reversal,
     and whatever is missing there looks like a little creep."""
-    return measure_way_back([track.velocity for track in tracks]) > SEARCH.creep_back
+    return not goes_one_way([track.velocity for track in tracks])
 
 
 def find_top_speed(tracks: Sequence[Track]) -> float:

@@ -146,8 +146,6 @@ class SearchSettings:
     quiet_creep: float = 1.2
     """Residual of friction that creeps over that of its nulls below which it creeps: 1.07 to 1.17 where it does, 6
     to 48 where it sticks."""
-    creep_back: float = 0.02
-    """Part of the way that leads back, below which a motion goes one way, as in the checks of a recording."""
     creep_explains: float = 0.95
     """Part of the energy above the noise that creep must explain where a trace of something else is missing besides."""
     creep_leaves: float = 0.7
