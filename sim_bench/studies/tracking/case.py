@@ -1,5 +1,7 @@
 """One run on the stand-in: a sine, a controller, a compensation, and the true tracking error."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
@@ -13,7 +15,7 @@ from fricomp.laws import FloatArray
 from fricomp.root_mean_square import compute_rms
 
 from ...stand_in import SensorSettings, SimulatedJointAdapter, default_joint, sensors_for
-from .joint import TrackedJoint, loop_of, scaled_law
+from .joint import PERIOD, TrackedJoint, loop_of, scaled_law
 
 Method = Literal["none", "coulomb_viscous", "stribeck", "default"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -22,7 +24,6 @@ METHODS: tuple[Method, ...] = get_args(Method)
 REVERSAL_WINDOW = 0.3
 """Time after the reference changes its sign that counts as reversal [s]."""
 
-_PERIOD = 1e-3
 _CYCLES = 2.0
 
 
@@ -68,6 +69,10 @@ class TrackingFigures:
     reversal_rms: float
     time: FloatArray
     error: FloatArray
+
+    def change_from(self, base: TrackingFigures) -> tuple[float, float]:
+        """RMS and RMS at reversals over those of other figures, minus one; negative is better [1]."""
+        return self.rms / base.rms - 1.0, self.reversal_rms / base.reversal_rms - 1.0
 
 
 @dataclass
@@ -131,14 +136,14 @@ def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, Co
     sensor = replace(sensors_for(law), delay=case.delay)
     adapter = SimulatedJointAdapter(default_joint(law=law, sensor=sensor, seed=case.seed))
     adapter.open()
-    controller, _ = loop_of(case.bandwidth, sensor, _PERIOD)
+    controller, _ = loop_of(case.bandwidth, sensor)
     witness, compensator = Witness(controller, adapter), _compensator(case, sensor)
     if standing:
         reference = SineReference([0.0], case.frequency, [5e-4])  # an offset that the friction holds
     else:
         reference = SineReference([case.amplitude], case.frequency, [0.0])
     loop = ControlLoop(
-        adapter, reference, witness, compensators=None if compensator is None else [compensator], period=_PERIOD
+        adapter, reference, witness, compensators=None if compensator is None else [compensator], period=PERIOD
     )
     return witness, loop
 
@@ -149,19 +154,19 @@ def _compensator(case: TrackingCase, sensor: SensorSettings) -> Compensator | No
         return None
     gain: dict[str, Any] = {} if case.gain is None else {"gain": case.gain}
     if case.method == "default":
-        _, loop = loop_of(case.bandwidth, sensor, _PERIOD)
-        return Compensator(case.joint.model, period=_PERIOD, loop=loop, **gain)
+        _, loop = loop_of(case.bandwidth, sensor)
+        return Compensator(case.joint.model, period=PERIOD, loop=loop, **gain)
     model = case.joint.model
     smoothing = Compensator(model).settings.smoothing
     if case.method == "coulomb_viscous":
         model = case.joint.coulomb_viscous_model
-    return Compensator(model, period=_PERIOD, source="reference", smoothing=smoothing, **({"gain": 1.0} | gain))
+    return Compensator(model, period=PERIOD, source="reference", smoothing=smoothing, **({"gain": 1.0} | gain))
 
 
 def _after_reversal(velocity: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Samples within `REVERSAL_WINDOW` after the reference velocity changes its sign. Shape (n_samples,)."""
     near = np.zeros(len(velocity), dtype=bool)
-    width = round(REVERSAL_WINDOW / _PERIOD)
+    width = round(REVERSAL_WINDOW / PERIOD)
     for start in np.flatnonzero(np.diff(np.sign(velocity)) != 0.0):
         near[start + 1 : start + 1 + width] = True
     return near

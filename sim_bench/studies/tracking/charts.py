@@ -6,12 +6,13 @@ import numpy as np
 
 from fricomp.report import Bars, Chart, HeatMap, Line, Panel
 
+from .case import TrackingFigures
 from .close_loop import CloseLoopMethod, CloseLoopResult
 from .robustness import RobustnessMap
 from .study import StudyRow
 
-_NAMES = {"none": "none", "coulomb_viscous": "tanh-Coulomb-viscous", "stribeck": "Stribeck", "default": "default"}
-_CLOSE_LOOP_NAMES = {"none": "none", "stribeck": "Stribeck, calibrated", "extended": "extended by the diagnosis"}
+_NAMES = {"coulomb_viscous": "tanh-Coulomb-viscous", "stribeck": "Stribeck", "default": "default"}
+_CLOSE_LOOP_NAMES = {"stribeck": "Stribeck, calibrated", "extended": "extended by the diagnosis"}
 
 
 def tracking_charts(rows: Sequence[StudyRow]) -> list[Chart]:
@@ -20,20 +21,22 @@ def tracking_charts(rows: Sequence[StudyRow]) -> list[Chart]:
     for row in rows:
         panels = []
         for method, figures in row.figures.items():
-            if method == "none":
-                continue
-            base = row.figures["none"]
-            marks = (
-                Line(base.time, 1e3 * base.error, "none", 6, width=1.0),
-                Line(figures.time, 1e3 * figures.error, _NAMES[method], 0, width=1.0),
-            )
-            rms, reversal = row.change(method)
-            title = f"{_NAMES[method]}: RMS {rms:+.0%}, reversals {reversal:+.0%}"
-            panels.append(Panel(marks, "time [s]", "error [mrad]", title))
+            if method != "none":
+                panels.append(_draw_error(figures, row.figures["none"], _NAMES[method], 0))
         name = f"tracking-{row.joint.name}-{row.bandwidth:g}hz-{row.amplitude:g}rad"
         title = f"{row.joint.title}, {row.bandwidth:g} Hz, {row.amplitude:g} rad"
         charts.append(Chart(name, title, tuple(panels), share_x=True, panel_height=220))
     return [_bars(rows), *charts]
+
+
+def _draw_error(figures: TrackingFigures, base: TrackingFigures, name: str, color: int) -> Panel:
+    """Error over time with a compensation and without any."""
+    marks = (
+        Line(base.time, 1e3 * base.error, "none", 6, width=1.0),
+        Line(figures.time, 1e3 * figures.error, name, color, width=1.0),
+    )
+    rms, reversal = figures.change_from(base)
+    return Panel(marks, "time [s]", "error [mrad]", f"{name}: RMS {rms:+.0%}, reversals {reversal:+.0%}")
 
 
 def _bars(rows: Sequence[StudyRow]) -> Chart:
@@ -80,18 +83,11 @@ def robustness_chart(found: RobustnessMap) -> Chart:
 def close_loop_chart(result: CloseLoopResult, bandwidth: float) -> Chart:
     """Error over time without compensation, with the calibrated model, and with the extended one."""
     figures = result.figures[bandwidth]
-    base = figures["none"]
-    panels = []
     compensated: tuple[CloseLoopMethod, ...] = ("stribeck", "extended")
-    for number, method in enumerate(compensated):
-        found = figures[method]
-        marks = (
-            Line(base.time, 1e3 * base.error, "none", 6, width=1.0),
-            Line(found.time, 1e3 * found.error, _CLOSE_LOOP_NAMES[method], number, width=1.0),
-        )
-        rms, reversal = result.change(bandwidth, method)
-        title = f"{_CLOSE_LOOP_NAMES[method]}: RMS {rms:+.0%}, reversals {reversal:+.0%}"
-        panels.append(Panel(marks, "time [s]", "error [mrad]", title))
+    panels = [
+        _draw_error(figures[method], figures["none"], _CLOSE_LOOP_NAMES[method], number)
+        for number, method in enumerate(compensated)
+    ]
     both = tuple(
         Line(figures[method].time, 1e3 * figures[method].error, _CLOSE_LOOP_NAMES[method], number, width=1.0)
         for number, method in enumerate(compensated)

@@ -31,13 +31,12 @@ from fricomp.recording import Recording, RecordingMetadata, write_recording
 
 from ...stand_in import SimulatedJointAdapter, StandInSettings
 from .case import TrackingFigures, Witness, compute_figures
-from .joint import loop_of
+from .joint import PERIOD, loop_of
 from .vertical_joint import GravityController, MultiSine, vertical_joint
 
 CloseLoopMethod = Literal["none", "stribeck", "extended"]
 """Without compensation; with the calibrated model; with what the diagnosis made of it."""
 
-_PERIOD = 1e-3
 _FREQUENCY, _AMPLITUDE, _CYCLES = 0.1, 0.5, 2.0  # of the sine that is tracked [Hz], [rad]
 _RECORDED = MultiSine(((-1.2, 0.05), (0.4, 0.17), (0.1, 0.6)))
 _RECORDING_BANDWIDTH = 5.0  # [Hz]
@@ -60,11 +59,6 @@ class CloseLoopResult:
     diagnosis: Diagnosis
     extended: FrictionModel
     figures: dict[float, dict[CloseLoopMethod, TrackingFigures]]
-
-    def change(self, bandwidth: float, method: CloseLoopMethod) -> tuple[float, float]:
-        """RMS and RMS at reversals against no compensation, minus one; negative is better [1]."""
-        base, found = self.figures[bandwidth]["none"], self.figures[bandwidth][method]
-        return found.rms / base.rms - 1.0, found.reversal_rms / base.reversal_rms - 1.0
 
 
 def close_loop(
@@ -155,9 +149,9 @@ def _run(
     settings: StandInSettings, model: FrictionModel | None, bandwidth: float, reference: Reference, duration: float
 ) -> tuple[LoopLog, list[float]]:
     """The log, and the true position at each of its cycles [rad]."""
-    _, loop = loop_of(bandwidth, settings.joints[0].sensor, _PERIOD)
+    _, loop = loop_of(bandwidth, settings.joints[0].sensor)
     # Of any status: what is concealed may hide a Stribeck effect, and the curve is still what was measured.
-    compensator = None if model is None else Compensator(model, period=_PERIOD, loop=loop, any_status=True)
+    compensator = None if model is None else Compensator(model, period=PERIOD, loop=loop, any_status=True)
     with SimulatedJointAdapter(settings) as adapter:
         controller = _controller(settings, bandwidth)
         witness = Witness(controller, adapter)
@@ -167,11 +161,11 @@ def _run(
             witness,
             compensators=None if compensator is None else [compensator],
             load_model=controller,
-            period=_PERIOD,
+            period=PERIOD,
         ).run(duration)
     result.raise_if_tripped()
     return result.log, witness.position
 
 
 def _controller(settings: StandInSettings, bandwidth: float) -> GravityController:
-    return GravityController(loop_of(bandwidth, settings.joints[0].sensor, _PERIOD)[0])
+    return GravityController(loop_of(bandwidth, settings.joints[0].sensor)[0])

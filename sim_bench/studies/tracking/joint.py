@@ -14,6 +14,9 @@ from ...stand_in import DEFAULT_LAW, SensorSettings
 INERTIA = 0.1
 """Of the stand-in's default joint [kg·m²]."""
 
+PERIOD = 1e-3
+"""Of every loop [s]."""
+
 _RANGE = (-1.0, 1.0)  # the velocities of the paper's data [rad/s]
 
 
@@ -71,8 +74,8 @@ def scaled_law(law: FrictionLaw, scale: float) -> FrictionLaw:
     return law.replace({n: v * scale for n, v in law.parameters().items() if n.rsplit(".", 1)[-1] in torques})
 
 
-def loop_of(bandwidth: float, sensor: SensorSettings, period: float) -> tuple[PositionController, LoopDynamics]:
+def loop_of(bandwidth: float, sensor: SensorSettings) -> tuple[PositionController, LoopDynamics]:
     """The PD controller of `bandwidth` [Hz], and the loop it makes; half a period each goes to difference and hold."""
     controller = PositionController.from_bandwidth([INERTIA], bandwidth)
     gains = controller.stiffness[0], controller.damping[0]
-    return controller, LoopDynamics(INERTIA, *gains, sensor.delay + period, sensor.velocity_filter)
+    return controller, LoopDynamics(INERTIA, *gains, sensor.delay + PERIOD, sensor.velocity_filter)

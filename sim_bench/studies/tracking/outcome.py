@@ -14,14 +14,11 @@ from ...stand_in import SensorSettings, StandIn, default_joint, default_limits
 from ..kit.outcome import StudyOutcome
 from .case import TrackingCase, run_standstill
 from .charts import close_loop_chart, robustness_chart, tracking_charts
-from .joint import JOINTS, TrackedJoint, loop_of
+from .joint import JOINTS, PERIOD, TrackedJoint, loop_of
 from .robustness import compute_robustness
 from .study import run_study
 
 Step = Callable[[], None]
-
-_PERIOD = 1e-3
-"""Of the loops that are checked [s]."""
 
 
 class TrackingPart(NamedTuple):
@@ -46,7 +43,7 @@ def join_parts(parts: Mapping[str, TrackingPart]) -> StudyOutcome:
 def study_sines(amplitudes: Sequence[float], bandwidths: Sequence[float], step: Step) -> TrackingPart:
     """Track sines without compensation, with tanh-Coulomb-viscous, Stribeck and the default, on every joint."""
     rows, figures, cells = [], [], []
-    for row in run_study(tuple(JOINTS.values()), amplitudes, bandwidths):
+    for row in run_study(amplitudes, bandwidths):
         base = row.figures["none"]
         changes = [row.change(method) for method in row.figures if method != "none"]
         rows.append(row)
@@ -108,10 +105,10 @@ def study_loops(bandwidths: Sequence[float], step: Step) -> TrackingPart:
 def _check_tracked(joint: TrackedJoint, bandwidth: float) -> LoopCheck:
     """Check the loop of `bandwidth` [Hz] around the stand-in's default drive, with the limits of its safety gate."""
     sensor = SensorSettings()
-    _, loop = loop_of(bandwidth, sensor, _PERIOD)
+    _, loop = loop_of(bandwidth, sensor)
     (limits,) = default_limits(StandIn(default_joint()))
     drive = DriveLimits(limits.torque, limits.torque_rate)
-    return check_loop(joint.model, loop, period=_PERIOD, velocity_quantum=sensor.velocity_quantum(_PERIOD), drive=drive)
+    return check_loop(joint.model, loop, period=PERIOD, velocity_quantum=sensor.velocity_quantum(PERIOD), drive=drive)
 
 
 def study_close_loop(bandwidths: Sequence[float], folder: Path, progress: Callable[[str], None]) -> TrackingPart:
@@ -123,7 +120,7 @@ def study_close_loop(bandwidths: Sequence[float], folder: Path, progress: Callab
     for bandwidth, by_method in result.figures.items():
         row = [f"{bandwidth:g} Hz"]
         for method, one in by_method.items():
-            rms, reversal = result.change(bandwidth, method)
+            rms, reversal = one.change_from(by_method["none"])
             change = "" if method == "none" else f" ({rms:+.0%} / {reversal:+.0%})"
             row.append(f"{1e3 * one.rms:.3f} / {1e3 * one.reversal_rms:.3f}{change}")
             errors = {"rms": one.rms, "reversal_rms": one.reversal_rms}

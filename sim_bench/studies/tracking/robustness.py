@@ -14,9 +14,8 @@ from fricomp.model import FrictionModel
 
 from ...stand_in import SensorSettings
 from .case import REVERSAL_WINDOW
-from .joint import TrackedJoint, loop_of
+from .joint import PERIOD, TrackedJoint, loop_of
 
-_PERIOD = 1e-3
 _FREQUENCY, _AMPLITUDE = 0.1, 0.5
 
 
@@ -75,7 +74,7 @@ def compute_robustness(
         delay: Of the sensors [s].
     """
     sensor = SensorSettings()
-    _, loop = loop_of(bandwidth, sensor, _PERIOD)
+    _, loop = loop_of(bandwidth, sensor)
     # With no gain the method does not matter, so one plane of the first run serves both as "without".
     axes = np.meshgrid([0.0, *gain], scale, delay, indexing="ij")
     settings = choose_settings(joint.model, loop=loop)
@@ -109,13 +108,11 @@ def _simulate(
     gain, scale, delay = (axis.ravel() for axis in axes)
     settings, model = compensation
     truth, compensated = split_law(joint.law), split_law(model.law)
-    cases = LoopCases(
-        loop, gain, scale, delay + 0.5 * _PERIOD, sensor.velocity_quantum(_PERIOD), sensor.velocity_filter
-    )
-    time = np.arange(0.0, 1.0 / _FREQUENCY + 0.5, _PERIOD)
+    cases = LoopCases(loop, gain, scale, delay + 0.5 * PERIOD, sensor.velocity_quantum(PERIOD), sensor.velocity_filter)
+    time = np.arange(0.0, 1.0 / _FREQUENCY + 0.5, PERIOD)
     omega = 2.0 * np.pi * _FREQUENCY
     reference = _AMPLITUDE * (1.0 - np.cos(omega * time)), _AMPLITUDE * omega * np.sin(omega * time)
-    done = simulate_loop(truth, settings, cases, reference, period=_PERIOD, compensated=compensated)
+    done = simulate_loop(truth, settings, cases, reference, period=PERIOD, compensated=compensated)
     error = reference[0][:, None] - done.position
     settled = time > 0.3 / _FREQUENCY
     half = 0.5 / _FREQUENCY

@@ -24,18 +24,13 @@ class StudyRow:
     figures: dict[Method, TrackingFigures]
 
     def change(self, method: Method) -> tuple[float, float]:
-        """RMS and RMS at reversals against no compensation, minus one; negative is better [1]."""
-        base, found = self.figures["none"], self.figures[method]
-        return found.rms / base.rms - 1.0, found.reversal_rms / base.reversal_rms - 1.0
+        """See `TrackingFigures.change_from`, from no compensation."""
+        return self.figures[method].change_from(self.figures["none"])
 
 
-def run_study(
-    joints: Sequence[TrackedJoint] = tuple(JOINTS.values()),
-    amplitudes: Sequence[float] = (0.2, 0.5),
-    bandwidths: Sequence[float] = (5.0, 10.0),
-) -> Iterator[StudyRow]:
-    """Run every condition, one row at a time."""
-    for joint in joints:
+def run_study(amplitudes: Sequence[float], bandwidths: Sequence[float]) -> Iterator[StudyRow]:
+    """Run every condition on every joint, one row at a time."""
+    for joint in JOINTS.values():
         for bandwidth in bandwidths:
             for amplitude in amplitudes:
                 figures = {m: run_case(TrackingCase(joint, m, amplitude, bandwidth)) for m in METHODS}
