@@ -73,6 +73,21 @@ def _count_by(
     return [hits for hits, _ in sums.values()], [totals for _, totals in sums.values()]
 
 
+def group_by(scores: Sequence[Score], key: Callable[[Score], str]) -> list[tuple[str, list[Score]]]:
+    """The scores of each value of a key, by that value."""
+    return [(value, [score for score in scores if key(score) == value]) for value in sorted(set(map(key, scores)))]
+
+
+def measure_share(
+    name: str,
+    scores: Sequence[Score],
+    hit: Callable[[Score], bool],
+    cluster: Callable[[Score], Any] | None = None,
+) -> Figure[Score]:
+    """A share of which nothing is wanted."""
+    return Figure(name, "–", str(count_share(scores, hit, cluster)), None, tuple(scores), _brief(hit))
+
+
 def require_at_least(
     name: str,
     wanted: float,

@@ -85,13 +85,8 @@ def _find_median_and_best(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _compute_mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
     """Thousands of iterations and mean |error| [%], down to rounding."""
-    error = np.mean([PaperProblem().error_percent(values) for values in _compute_parameters(row)], axis=1)
+    error = [PaperProblem().mean_error(values) for values in row["course"]]
     return np.array(row["fitness"])[:, 0] / _THOUSAND, np.maximum(error, 1e-13)
-
-
-def _compute_parameters(row: dict[str, Any]) -> FloatArray:
-    """Course of the parameters. Shape (n, 8)."""
-    return np.array(row["course"])
 
 
 def _ours(reading: Reading) -> Chart:
@@ -109,7 +104,7 @@ def _ours(reading: Reading) -> Chart:
 
 def _draw_course(row: dict[str, Any]) -> Chart:
     method, reading = row["method"], row["reading"]
-    fitness, course = np.array(row["fitness"]), _compute_parameters(row)
+    fitness, course = np.array(row["fitness"]), np.array(row["course"])
     figures = _FIGURES["none" if reading == "none" else "noise"][method]
     step = fitness[:, 0] / _THOUSAND
     if method == "Adam":
@@ -132,7 +127,7 @@ def _draw_directions(step: FloatArray, course: FloatArray, label: str) -> list[P
 
 def _draw_errors(ledger: RowStore, reading: Reading) -> Chart:
     rows = ledger.rows(study="statistics", reading=reading)
-    errors = np.sort([float(np.mean(PaperProblem().error_percent(np.array(row["values"])))) for row in rows])
+    errors = np.sort([PaperProblem().mean_error(row["values"]) for row in rows])
     share = np.linspace(0.0, 1.0, len(errors))
     marks = (Line(errors, share, "ours"), Rule(_PINN.average, "x", "printed for the paper's PINN, one draw"))
     panel = Panel(marks, "mean |error| of a draw [%]", "share of draws")

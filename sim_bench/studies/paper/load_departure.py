@@ -4,14 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricomp.calibration.identification import identify
+from fricomp.calibration.identification import IdentificationResult, identify
 from fricomp.laws import FloatArray, LoadScaling
-from fricomp.root_mean_square import compute_rms
 
-from .departure import train_networks
+from .departure import NOISE, HeldOutPoints, measure_networks, mirror
 from .problem import PaperProblem
 
-_NOISE = 0.01
 _REFERENCE = 10.0
 _SLOWEST = 0.01
 _LOADS = (5.0, 8.0, 11.0, 15.0, 20.0)
@@ -45,28 +43,21 @@ class LoadFigures:
 def measure_loads(case: str, points: int, seeds: int) -> LoadFigures:
     """One of `LOAD_CASES`."""
     size = float(case == "departs")
-    between: list[list[float]] = []
-    beyond: list[list[float]] = []
-    departed = 0
-    for seed in range(seeds):
-        side = np.geomspace(_SLOWEST, 1.0, points // 2)
-        velocity, load = _build_grid(side, _LOADS)
-        torque = _collect_truth(velocity, load, size)
-        torque = torque + _NOISE * np.random.default_rng([seed, points, 3]).normal(size=len(velocity))
-        result = identify(velocity, torque, load, "least_squares", "absolute", seed)
-        free, driven = train_networks(result, seed)
-        departed += free.departs
-        functions = (result.model.torque, free.network.torque, driven.torque)
-        for errors, loads in ((between, _BETWEEN), (beyond, _BEYOND)):
-            v, n = _build_grid(np.linspace(side[0], 1.0, 200), loads)
-            exact = _collect_truth(v, n, size)
-            errors.append([compute_rms(np.asarray(f(v, normal_load=n)) - exact) for f in functions])
-    a, b = np.mean(between, axis=0).tolist(), np.mean(beyond, axis=0).tolist()
-    return LoadFigures(case, points, seeds, a, b, departed)
+    velocity, load = _build_grid(np.geomspace(_SLOWEST, 1.0, points // 2), _LOADS)
+
+    def identify_draw(seed: int) -> IdentificationResult:
+        noise = NOISE * np.random.default_rng([seed, points, 3]).normal(size=len(velocity))
+        torque = _collect_truth(velocity, load, size) + noise
+        return identify(velocity, torque, load, "least_squares", "absolute", seed)
+
+    held_out = [_build_grid(np.linspace(_SLOWEST, 1.0, 200), loads) for loads in (_BETWEEN, _BEYOND)]
+    places = [HeldOutPoints(v, n, _collect_truth(v, n, size)) for v, n in held_out]
+    (between, beyond), departed = measure_networks(identify_draw, seeds, places)
+    return LoadFigures(case, points, seeds, between, beyond, departed)
 
 
 def _build_grid(side: FloatArray, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
-    velocity = np.concatenate([-side[::-1], side])
+    velocity = mirror(side)
     return np.tile(velocity, len(loads)), np.repeat(np.array(loads), len(velocity))
 
 

@@ -42,11 +42,11 @@ def format_identification_page(ledger: RowStore, charts: Sequence[Chart], comman
         noise_free=sections.format_noise_free_section(ledger),
         printed_noisy=sections.format_printed_table(NOISY, ledger, NOISE_READINGS),
         statistics=[sections.format_statistics_section(ledger, reading) for reading in NOISE_READINGS],
-        searches=sections.search_section(ledger),
+        searches=sections.format_search_section(ledger),
         times=sections.format_timing_section(ledger),
         outliers=sections.format_outlier_section(ledger),
         departure=sections.format_departure_section(ledger),
-        loads=sections.load_section(ledger),
+        loads=sections.format_load_section(ledger),
         extras=sections.format_extras_section(ledger),
     )
 

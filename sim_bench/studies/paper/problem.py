@@ -1,5 +1,6 @@
 """The paper's identification problem: its law, its grids, its noise in both readings, its limit."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -100,3 +101,7 @@ class PaperProblem:
         """|error| of each parameter [%]. Shape (8,)."""
         true = np.array(self.true_values)
         return np.asarray(100.0 * np.abs(values - true) / true)
+
+    def mean_error(self, values: Sequence[float] | FloatArray) -> float:
+        """Mean of `error_percent` [%]."""
+        return float(np.mean(self.error_percent(np.array(values))))

@@ -73,7 +73,7 @@ def _collect_noise_free(method: str, starts: str, iterations: int, rows: Sequenc
 
 
 def _compute_mean_error(row: dict[str, Any]) -> float:
-    return float(np.mean(PaperProblem().error_percent(np.array(row["values"]))))
+    return PaperProblem().mean_error(row["values"])
 
 
 def find_best_adam(ledger: RowStore, reading: Reading) -> list[dict[str, Any]]:
@@ -128,14 +128,13 @@ def summarise_searches(ledger: RowStore, reading: Reading) -> list[SearchFigures
 
 
 def _search(method: str, iterations: int, rows: list[dict[str, Any]], ours: list[dict[str, Any]]) -> SearchFigures:
-    problem = PaperProblem()
     excess = np.array([a["nll"] - b["nll"] for a, b in zip(rows, ours, strict=True)])
     return SearchFigures(
         method=method,
         iterations=iterations,
         draws=len(rows),
-        mean_error=float(np.mean([problem.error_percent(np.array(r["values"])) for r in rows])),
-        our_mean_error=float(np.mean([problem.error_percent(np.array(r["values"])) for r in ours])),
+        mean_error=float(np.mean([_compute_mean_error(row) for row in rows])),
+        our_mean_error=float(np.mean([_compute_mean_error(row) for row in ours])),
         excess=(float(np.median(excess)), float(excess.max())),
         our_largest_excess=float(np.max(-excess)),
         missed=int(np.sum(excess > 0.01)),

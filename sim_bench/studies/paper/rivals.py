@@ -1,6 +1,6 @@
 """The other methods on the draws that ours had: PSO, GA, CMA-ES, robust least squares, the paper's own training."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,14 +9,12 @@ import numpy as np
 from ..kit.store import RowStore
 from .comparators import Comparison, run_cma, run_robust_nls
 from .problem import NOISE_READINGS, Draw, PaperProblem
-from .study import SPREADS, draw_random_values
+from .study import SPREADS, Progress, draw_random_values
 
 PAPER_LENGTH = 50_000
 """Iterations of every method in [luo2024pinn]."""
 _TENTH = PAPER_LENGTH // 10
 CMA_EVALUATIONS = 40_000
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ def run_adam_study(ledger: RowStore, starts: int, steps: int, progress: Progress
         for seed, row in zip(missing, train(problem.draw("none", 0), spread, missing) if missing else [], strict=True):
             ledger.append(row | {"seed": seed})
     rows = ledger.rows(**known, reading="none")
-    best = min(rows, key=lambda row: float(problem.error_percent(np.array(row["values"])).mean()))
+    best = min(rows, key=lambda row: problem.mean_error(row["values"]))
     for reading in NOISE_READINGS:
         if not ledger.rows(**known, reading=reading):
             ledger.append(*train(problem.draw(reading, 0), best["spread"], [best["seed"]]))
@@ -97,19 +95,17 @@ def _compare(ledger: RowStore, draw: Draw, what: tuple[str, int], progress: Prog
     if ledger.rows(**key, seed=draw.seed):
         return
     progress(f"{method}, {draw.reading} noise, {iterations} iterations, draw {draw.seed + 1}")
-    ledger.append(_build_row(_search(method)(draw, iterations, draw.seed), draw, key))
+    ledger.append(_build_row(_search(method, draw, iterations), draw, key))
 
 
-def _search(method: str) -> Callable[[Draw, int, int], Comparison]:
+def _search(method: str, draw: Draw, iterations: int) -> Comparison:
     from .compiled_search import run_compiled
 
-    searches: Mapping[str, Callable[[Draw, int, int], Comparison]] = {
-        "PSO": lambda draw, iterations, seed: run_compiled("PSO", draw, iterations, seed),
-        "GA": lambda draw, iterations, seed: run_compiled("GA", draw, iterations, seed),
-        "CMA-ES": run_cma,
-        "robust NLS": lambda draw, _, seed: run_robust_nls(draw, seed),
-    }
-    return searches[method]
+    if method == "CMA-ES":
+        return run_cma(draw, iterations, draw.seed)
+    if method == "robust NLS":
+        return run_robust_nls(draw, draw.seed)
+    return run_compiled(method, draw, iterations, draw.seed)
 
 
 def _build_row(found: Comparison, draw: Draw, key: dict[str, Any]) -> dict[str, Any]:

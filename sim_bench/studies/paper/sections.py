@@ -116,9 +116,9 @@ def _format_remarks(f: StatisticsFigures) -> str:
     )
 
 
-def search_section(ledger: RowStore) -> str:
+def format_search_section(ledger: RowStore) -> str:
     """The other methods beside ours on the same draws."""
-    rows = [_search_row(f, reading) for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
+    rows = [_list_search(f, reading) for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
     heads = [
         "method", "length", "noise", "draws", "mean error [%]", "ours [%]", "NLL above ours, median", "largest",
         "draws > 0.01", "ours above theirs, largest",
@@ -126,7 +126,7 @@ def search_section(ledger: RowStore) -> str:
     return _table(heads, rows)
 
 
-def _search_row(f: SearchFigures, reading: str) -> list[str]:
+def _list_search(f: SearchFigures, reading: str) -> list[str]:
     return [
         f.method, f"{f.iterations:,}" if f.iterations else "", reading, str(f.draws), f"{f.mean_error:.3f}",
         f"{f.our_mean_error:.3f}", f"{f.excess[0]:.2g}", f"{f.excess[1]:.2g}", str(f.missed),
@@ -175,29 +175,28 @@ def format_outlier_section(ledger: RowStore) -> str:
 
 def format_departure_section(ledger: RowStore) -> str:
     """Closed form and networks on a joint that is no Stribeck joint."""
-    rows = [
-        [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.inside, *f.outside)), str(f.departed)]
-        for f in (DepartureFigures(**figures) for figures in _select_largest(ledger, "departure"))
-    ]
-    heads = [
-        "joint", "points", "data sets", "between points: closed form", "exported network", "data-driven network",
-        "beyond the speeds: closed form", "exported network", "data-driven network", "network departed",
-    ]  # fmt: skip
-    return _table(heads, rows)
+    found = [DepartureFigures(**figures) for figures in _select_largest(ledger, "departure")]
+    errors = [(f, (*f.inside, *f.outside)) for f in found]
+    return _tabulate_networks("points", "between points", "beyond the speeds", errors)
 
 
-def load_section(ledger: RowStore) -> str:
+def format_load_section(ledger: RowStore) -> str:
     """The same at several normal loads."""
+    found = [LoadFigures(**figures) for figures in _select_largest(ledger, "loads")]
+    errors = [(f, (*f.between, *f.beyond)) for f in found]
+    return _tabulate_networks("points at each load", "between the loads", "beyond the loads", errors) if found else ""
+
+
+def _tabulate_networks(
+    points: str, near: str, far: str, found: Sequence[tuple[DepartureFigures | LoadFigures, Sequence[float]]]
+) -> str:
     rows = [
-        [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.between, *f.beyond)), str(f.departed)]
-        for f in (LoadFigures(**figures) for figures in _select_largest(ledger, "loads"))
+        [f.case, str(f.points), str(f.seeds), *(f"{error:.4f}" for error in errors), str(f.departed)]
+        for f, errors in found
     ]
-    heads = [
-        "joint", "points at each load", "data sets", "between the loads: closed form", "exported network",
-        "data-driven network", "beyond the loads: closed form", "exported network", "data-driven network",
-        "network departed",
-    ]  # fmt: skip
-    return _table(heads, rows) if rows else ""
+    networks = ["exported network", "data-driven network"]
+    heads = ["joint", points, "data sets", f"{near}: closed form", *networks, f"{far}: closed form", *networks]
+    return _table([*heads, "network departed"], rows)
 
 
 def format_extras_section(ledger: RowStore) -> str:

@@ -1,8 +1,9 @@
 """Our own figures over many seeds, kept in the ledger draw by draw."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -137,32 +138,34 @@ def run_departure(ledger: RowStore, seeds: int, progress: Progress) -> None:
     """Where the joint is no Stribeck joint."""
     from .departure import CASES, measure_departure
 
-    for number, (case, points) in enumerate(CASES):
-        if not ledger.rows(study="departure", seed=number, size=seeds):
-            progress(f"departure from the law: {case}, {points} points")
-            figures = asdict(measure_departure(case, points, seeds))
-            ledger.append({"study": "departure", "seed": number, "size": seeds, "figures": figures})
+    calls = {f"departure from the law: {case}, {n} points": partial(measure_departure, case, n) for case, n in CASES}
+    _measure_once(ledger, "departure", seeds, calls, progress)
 
 
 def run_loads(ledger: RowStore, seeds: int, progress: Progress) -> None:
     """The same at several normal loads."""
     from .load_departure import LOAD_CASES, measure_loads
 
-    for number, (case, points) in enumerate(LOAD_CASES):
-        if not ledger.rows(study="loads", seed=number, size=seeds):
-            progress(f"several loads: {case}, {points} points each")
-            figures = asdict(measure_loads(case, points, seeds))
-            ledger.append({"study": "loads", "seed": number, "size": seeds, "figures": figures})
+    calls = {f"several loads: {case}, {n} points each": partial(measure_loads, case, n) for case, n in LOAD_CASES}
+    _measure_once(ledger, "loads", seeds, calls, progress)
 
 
 def run_extras(ledger: RowStore, draws: int, lugre_seeds: int, progress: Progress) -> None:
     """Speeds chosen for information, and LuGre."""
     from .extras import measure_extras
 
-    if not ledger.rows(study="further", size=draws):
-        progress("speeds chosen for information, LuGre")
-        figures = asdict(measure_extras(draws, lugre_seeds))
-        ledger.append({"study": "further", "seed": 0, "size": draws, "figures": figures})
+    calls = {"speeds chosen for information, LuGre": partial(measure_extras, lugre_seeds=lugre_seeds)}
+    _measure_once(ledger, "further", draws, calls, progress)
+
+
+def _measure_once(
+    ledger: RowStore, study: str, size: int, calls: Mapping[str, Callable[[int], Any]], progress: Progress
+) -> None:
+    """Keep what each call gives for this size, unless the ledger has it; they are known by their order."""
+    for number, (what, call) in enumerate(calls.items()):
+        if not ledger.rows(study=study, seed=number, size=size):
+            progress(what)
+            ledger.append({"study": study, "seed": number, "size": size, "figures": asdict(call(size))})
 
 
 def contaminate(draw: Draw, problem: PaperProblem) -> tuple[Draw, FloatArray]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from fricomp.errors import DiagnosisError
 
-from ..kit.figure import Figure
+from ..kit.figure import Figure, group_by
 from .power import name_band
 from .score import Score
 
@@ -68,6 +68,6 @@ def _split(figure: Figure[Score]) -> tuple[tuple[str, str], ...]:
         return ()
     found = []
     for axis, key in _AXES.items():
-        parts = {value: [s for s in figure.cases if key(s) == value] for value in sorted(set(map(key, figure.cases)))}
-        found.append((axis, "; ".join(f"{value}: {figure.brief(some)}" for value, some in parts.items())))
+        parts = (f"{value}: {figure.brief(some)}" for value, some in group_by(figure.cases, key))
+        found.append((axis, "; ".join(parts)))
     return tuple(found)

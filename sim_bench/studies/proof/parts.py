@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from ..kit.figure import WEAK, count_share, select
+from ..kit.figure import WEAK, count_share, group_by, select
 from ..kit.statistics import compute_clustered_share
 from .judging import count_for_names, count_for_pairs, find_right_names, is_wrong, names_another, select_nameable
 from .plan import NULLS
@@ -44,16 +44,12 @@ def list_nothing(scores: Sequence[Score]) -> Rows:
 def list_single(scores: Sequence[Score]) -> Rows:
     """Right names of single effects, by core, motion, noise and strength."""
     single = select(select_nameable(scores), lambda s: s.enr >= WEAK * _WEAKEST)
-    parts = [*_split(single), *(("strength", band, some) for band, some in _group(single, name_band))]
+    parts = [*_split(single), *(("strength", band, some) for band, some in group_by(single, name_band))]
     return [[axis, value, str(count_share(some, lambda s: s.top_right))] for axis, value, some in parts]
 
 
 def _split(scores: Sequence[Score]) -> list[tuple[str, str, list[Score]]]:
-    return [(axis, value, some) for axis, key in _AXES.items() for value, some in _group(scores, key)]
-
-
-def _group(scores: Sequence[Score], key: Callable[[Score], str]) -> list[tuple[str, list[Score]]]:
-    return [(value, [s for s in scores if key(s) == value]) for value in sorted(set(map(key, scores)))]
+    return [(axis, value, some) for axis, key in _AXES.items() for value, some in group_by(scores, key)]
 
 
 def list_recordings(scores: Sequence[Score]) -> Rows:
@@ -62,7 +58,7 @@ def list_recordings(scores: Sequence[Score]) -> Rows:
     keys: dict[str, Callable[[Score], str]] = {"recording": lambda s: s.excitation, "effect": lambda s: s.truth}
     rows = []
     for what, key in keys.items():
-        for value, some in _group(strong, key):
+        for value, some in group_by(strong, key):
             hits = (sum(s.top_right for s in some), sum(s.in_set for s in some))
             rows.append([what, value, *(f"{hit} of {len(some)}" for hit in hits)])
     return rows
@@ -100,7 +96,7 @@ def list_places(scores: Sequence[Score]) -> Rows:
     """Overlap of the located time with the true one, by effect."""
     placed = select(scores, lambda s: s.group == "single" and bool(np.isfinite(s.overlap)))
     rows = []
-    for name, some in _group(placed, lambda s: s.truth):
+    for name, some in group_by(placed, lambda s: s.truth):
         seen = [s for s in some if s.enr >= _WEAKEST * WEAK]
         rows.append([name, str(len(some)), _format_overlap(some), str(len(seen)), _format_overlap(seen)])
     return rows

@@ -50,16 +50,12 @@ class SealBook:
             os.fsync(file.fileno())
         return digest
 
-    def matches(self, case: str, answer: bytes) -> bool:
-        """Whether an answer is the one that was sealed."""
-        return self._digests.get(case) == hashlib.sha256(answer).hexdigest()
-
     def open(self, case: str, answer: bytes) -> None:
         """Check an answer against its seal.
 
         Raises:
             DiagnosisError: It is another one, or was never sealed.
         """
-        if not self.matches(case, answer):
+        if self._digests.get(case) != hashlib.sha256(answer).hexdigest():
             raise DiagnosisError(f"the answer of {case} does not match its seal: it cannot be scored")
         self._opened.add(case)

@@ -84,7 +84,7 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool) -> RunSetting
         if wanted.scored:
             key = secrets.token_hex(16)
             settings = msgspec.structs.replace(settings, key=key, order=int(key[:_ORDER_DIGITS], 16))
-    write_settings(settings, path)
+    write_json(path, settings)
     return settings
 
 
@@ -121,18 +121,13 @@ def load_replay(kept: Path, out: Path, cases: int | None = None) -> RunSettings:
             raise DiagnosisError(f"{out} holds another run: give another --out")
         settings = msgspec.structs.replace(settings, commits=found.commits)
     settings = _go_on(settings, cases or settings.cases)
-    write_settings(settings, path)
+    write_json(path, settings)
     return settings
 
 
 def read_settings(path: Path) -> RunSettings:
     """The settings in a file."""
     return msgspec.json.decode(path.read_bytes(), type=RunSettings)
-
-
-def write_settings(settings: RunSettings, path: Path) -> None:
-    """Write the settings to a file."""
-    write_json(path, settings)
 
 
 def list_development_seeds(first: int = 0) -> Iterator[int]:

@@ -14,6 +14,7 @@ from ..kit.figure import (
     measure_coverage,
     measure_mean,
     measure_median,
+    measure_share,
     require_at_least,
     require_at_most,
     select,
@@ -85,14 +86,7 @@ def _measure_unlogged(scores: Sequence[Score]) -> list[Figure[Score]]:
         "load or temperature not logged: right name or unknown, and no false name": hidden,
         "motion of a neighbour not logged, ENR ≥ 0.5: called unknown or external, and no false name": neighbours,
     }
-    figures = (
-        require_at_least(name, 0.0, some, lambda s: holds_truth(s) and not s.false_names) for name, some in what.items()
-    )
-    return [_without_target(figure) for figure in figures]
-
-
-def _without_target(figure: Figure[Score]) -> Figure[Score]:
-    return replace(figure, target="–", reached=None)
+    return [measure_share(name, some, lambda s: holds_truth(s) and not s.false_names) for name, some in what.items()]
 
 
 def _measure_nothing(scores: Sequence[Score]) -> list[Figure[Score]]:
@@ -110,12 +104,8 @@ def _measure_nothing(scores: Sequence[Score]) -> list[Figure[Score]]:
             lambda s: s.noise_ratio,
             lambda m: low <= m <= high,
         ),
-        _measure_everywhere("the same, median on every motion and with every friction core", scores, low, high),
-        _without_target(
-            require_at_most(
-                "the same, cases outside that range", 1.0, scores, lambda s: not low <= s.noise_ratio <= high
-            )
-        ),
+        _measure_everywhere(scores, low, high),
+        measure_share("the same, cases outside that range", scores, lambda s: not low <= s.noise_ratio <= high),
         named,
         require_at_most(
             "something called missing, mismeasured or unknown where nothing is",
@@ -165,9 +155,7 @@ def _measure_sets(scores: Sequence[Score]) -> list[Figure[Score]]:
             scores,
             lambda s: s.false_names > 0,
         ),
-        _without_target(
-            require_at_most("another name first, be the truth in its set or not", 1.0, scores, names_another)
-        ),
+        measure_share("another name first, be the truth in its set or not", scores, names_another),
     ]
 
 
@@ -197,7 +185,7 @@ def _measure_doubt(scores: Sequence[Score]) -> list[Figure[Score]]:
         settled = replace(settled, value=f"{settled.value}; {unmade} of them could not be recorded and count as no")
     return [
         require_at_least("cannot tell: every set of two or more holds a truth", 0.97, unsure, _sets_hold),
-        _without_target(require_at_least("cannot tell: with a proposed motion", 0.0, unsure, lambda s: s.proposed)),
+        measure_share("cannot tell: with a proposed motion", unsure, lambda s: s.proposed),
         settled,
     ]
 
@@ -227,13 +215,8 @@ def _measure_intervals(scores: Sequence[Score]) -> list[Figure[Score]]:
         ),
         measure_coverage("the same, inertia and gravity of the simulation", scores, _list_of_simulation),
         Figure(name, "–", str(far), None, tuple(s for s in scores if s.intervals)),
-        _without_target(
-            require_at_least(
-                "answers with a right name of which a parameter is compared",
-                0.0,
-                named,
-                lambda s: bool(_list_of_effects(s)),
-            )
+        measure_share(
+            "answers with a right name of which a parameter is compared", named, lambda s: bool(_list_of_effects(s))
         ),
     ]
 
@@ -258,10 +241,9 @@ def _list_of_simulation(score: Score) -> list[KnownInterval]:
 
 
 def _measure_cost(scores: Sequence[Score], cluster: Callable[[Score], str] | None = None) -> list[Figure[Score]]:
-    long = require_at_most("cases that took longer than 30 s", 1.0, scores, lambda s: s.seconds > 30.0, cluster=cluster)
     return [
         _measure_time(scores),
-        _without_target(long),
+        measure_share("cases that took longer than 30 s", scores, lambda s: s.seconds > 30.0, cluster),
         require_at_most("no answer at all", 0.0, scores, lambda s: s.verdict == "failed", cluster=cluster),
     ]
 
@@ -274,10 +256,10 @@ def _measure_time(scores: Sequence[Score]) -> Figure[Score]:
     return replace(found, value=f"{found.value}; 95 % of them within {late:.0f}, all within {last:.0f}")
 
 
-def _measure_everywhere(name: str, scores: Sequence[Score], low: float, high: float) -> Figure[Score]:
+def _measure_everywhere(scores: Sequence[Score], low: float, high: float) -> Figure[Score]:
     """Whether the median residual over noise lies in its range on each motion and with each core, none left out."""
     known = select(scores, lambda s: bool(np.isfinite(s.noise_ratio)))
-    target = f"{low}–{high} each"
+    name, target = "the same, median on every motion and with every friction core", f"{low}–{high} each"
     if not known:
         return Figure(name, target, "– (no case)", None)
     medians, counts, missing = {}, [], []

@@ -102,25 +102,19 @@ def measure_motion(time: Samples, position: Samples, torque: Samples, span: floa
     return MeasuredMotion(time, position, v, a, torque, load, kept, moving, left, span)
 
 
-def _ripple(motion: MeasuredMotion, amplitude: float, rng: np.random.Generator) -> tuple[Samples, dict[str, float]]:
+def _cogging(motion: MeasuredMotion, amplitude: float, rng: np.random.Generator) -> InjectedTorque:
     """A sine over the position that the recording passes through many times."""
     order, phase = 2.0 * np.pi * rng.uniform(6.0, 14.0) / motion.span, rng.uniform(0.0, 2.0 * np.pi)
     sine, cosine = amplitude * np.cos(phase), amplitude * np.sin(phase)
     wave = sine * np.sin(order * motion.position) + cosine * np.cos(order * motion.position)
-    return wave, {"sine": sine, "cosine": cosine, "order": order}
-
-
-_UNITS = {"sine": "torque", "cosine": "torque", "order": "1/position"}
-
-
-def _cogging(motion: MeasuredMotion, amplitude: float, rng: np.random.Generator) -> InjectedTorque:
-    wave, values = _ripple(motion, amplitude, rng)
-    return InjectedTorque(wave, {name: (value, _UNITS[name]) for name, value in values.items()})
+    return InjectedTorque(
+        wave, {"sine": (sine, "torque"), "cosine": (cosine, "torque"), "order": (order, "1/position")}
+    )
 
 
 def _position_coulomb(motion: MeasuredMotion, amplitude: float, rng: np.random.Generator) -> InjectedTorque:
-    wave, values = _ripple(motion, amplitude, rng)
-    return InjectedTorque(wave * motion.direction, {name: (value, _UNITS[name]) for name, value in values.items()})
+    ripple = _cogging(motion, amplitude, rng)
+    return ripple._replace(torque=ripple.torque * motion.direction)
 
 
 def _quadratic_drag(motion: MeasuredMotion, amplitude: float, rng: np.random.Generator) -> InjectedTorque:

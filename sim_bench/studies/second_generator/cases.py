@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fricomp.errors import DiagnosisError
 
 from .effect import Effect
-from .effects import EFFECTS, find_effect
+from .effects import EFFECTS
 from .forms import FORMS
 from .motion import MOTIONS
 
@@ -44,7 +44,7 @@ class Case:
     @property
     def truth(self) -> Effect:
         """What the simulation leaves out."""
-        return find_effect(self.effect)
+        return EFFECTS[self.effect]
 
 
 def list_cases(*, quick: bool = False) -> list[Case]:
