@@ -11,8 +11,9 @@ from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, Watchdog
 
 from .acceptance import check_counts, check_limits, check_rate, check_waiver, check_watchdog, make_gate, raise_own
+from .answering import AnsweringDriver
 from .drive_side import DriveSide
-from .holding import POLL_INTERVAL_NS, HeldDriver
+from .holding import POLL_INTERVAL_NS
 from .options import AdapterOptions
 from .reference import ReferenceLimiter
 from .stopping import reason_of
@@ -22,7 +23,7 @@ __all__ = ["JointAdapter"]
 POSITION_PATIENCE_NS = 200_000_000
 
 
-class JointAdapter(HeldDriver):
+class JointAdapter(AnsweringDriver):
     """N joints on a bus. The order is open, configure, enable, then write and read every cycle, and close.
 
     The public methods are final: they hold the safety gate, the transmission and the order of calls. A driver
@@ -42,11 +43,9 @@ class JointAdapter(HeldDriver):
         super().__init__(options, clock)
         self._asked_ns = 0  # when the drives were last asked for their state: every write asks
         self._sending_ns = 0  # how long that request took out of this process
-        self._capabilities: Capabilities | None = None
         self._opened_watchdog: Watchdog | None = None
         self._mode: CommandMode = "torque"
         self._half_configured = False  # the last configuration failed: drives and gate may be of different ones
-        self._close_failure = ""
         self.tap: Callable[[JointFeedback, Sequence[float]], None] | None = None
 
     # -- what users call --------------------------------------------------------------------------------
@@ -90,18 +89,6 @@ class JointAdapter(HeldDriver):
         self._drive, self._transmissions = DriveSide(drives, transmissions), transmissions
         self._nothing_new = JointFeedback(n_joints)
         self._capabilities = replace(drives, joints=joints)
-        return self._capabilities
-
-    @property
-    @final
-    def capabilities(self) -> Capabilities:
-        """What the drives offer, joint side.
-
-        Raises:
-            AdapterError: The adapter is not open.
-        """
-        if self._capabilities is None:
-            raise AdapterError("the adapter is not open: call open() first")
         return self._capabilities
 
     @final
@@ -291,55 +278,6 @@ class JointAdapter(HeldDriver):
             self._stop_failure = ""
 
     @final
-    def read_energised(self) -> tuple[bool | None, ...]:
-        """Ask each drive at rest whether it is energised, and write nothing; None where its protocol does not tell.
-
-        Raises:
-            AdapterError: Not open, the joints are enabled, or a drive does not answer.
-        """
-        if len(self.capabilities.joints) and self._enabled:
-            raise AdapterError("the joints are enabled: they are energised by this adapter")
-        with self._lock:
-            return tuple(self._read_energised())
-
-    @final
-    def ask_faults(self) -> tuple[int, ...]:
-        """Ask the drives which faults they report now, in codes; nothing is judged or stopped. None told is 0.
-
-        Raises:
-            AdapterError: Not open, or the bus failed.
-        """
-        n_joints = len(self.capabilities.joints)
-        with self._lock:
-            try:
-                return tuple(self._ask_faults() or [0] * n_joints)
-            except BaseException as error:
-                raise_own(error)
-
-    @final
-    def describe_faults(self, codes: Sequence[int]) -> str:
-        """What drives report, in words: the fault code of each joint, as in `JointFeedback.fault`."""
-        told = []
-        for joint, (name, code) in enumerate(zip(self._joint_names(), codes, strict=True)):
-            if code:
-                words = self._describe_fault(joint, code)
-                told.append(f"{name}: {words} ({code:#x})" if words else f"{name}: {code:#x}")
-        return "; ".join(told)
-
-    @final
-    def health(self) -> dict[str, float | str]:
-        """Counters and states of bus and drives, for display.
-
-        `stop_failure` and `close_failure` are among them if a stop did not get through, or the bus did not close.
-        """
-        health = self._health() | self._bus_health()
-        if self._stop_failure:
-            health["stop_failure"] = self._stop_failure
-        if self._close_failure:
-            health["close_failure"] = self._close_failure
-        return health
-
-    @final
     def close(self) -> None:
         """Stop the joints and let go of the bus. Never raises."""
         self.safe_stop("closed")
@@ -379,10 +317,6 @@ class JointAdapter(HeldDriver):
         if complaint is not None:
             gate.trip("not_finite", complaint, self.clock.now_ns())
         return complaint is None
-
-    def _bus_health(self) -> dict[str, float | str]:
-        """What the bus itself counts; adapters on one tell it."""
-        return {}
 
     def _check_delay(self, stale_after: float) -> None:
         """Whether drives answer before their data are stale [s]; drivers over a link look.

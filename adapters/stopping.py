@@ -4,7 +4,7 @@ import threading
 from typing import final
 
 from fricomp.control import SafetyGate
-from fricomp.control.gate.gate import TripReason, TripRecord
+from fricomp.control.gate.trip import TripReason, TripRecord
 from fricomp.errors import AdapterError, DriveFault
 from fricomp.joint import Clock, MonotonicClock
 

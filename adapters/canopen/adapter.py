@@ -2,10 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import partial
 
 from fricomp.errors import (
-    AdapterConfigurationError,
     AdapterConnectionError,
     AdapterError,
     AdapterTimeout,
@@ -13,35 +11,30 @@ from fricomp.errors import (
 )
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, Watchdog
 
-from ..can_adapter import CanAdapter
 from ..link import CanFrame, CanLink
 from . import objects
 from .capability import declare
 from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
-from .drive import CONDITION, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
+from .drive import MODE_NUMBERS, OPERATIONAL, CanOpenDrive
 from .fault import describe_fault
-from .process_data import STATE_OBJECTS, map_process_data
+from .process_data import map_process_data
+from .reception import HEARTBEAT, SYNC, CanOpenReceiver
 from .scaling import read_scaling
-from .service import ServiceChannel
 from .set_up import clear_targets, find_modes, restart_watchdog, set_mode, set_period, set_watchdog
 from .state_machine import CLEAR_FAULT, DISABLE_VOLTAGE, ENABLE_STEPS, ENERGISED, DriveState
 from .torque_limit import find_most_torque, restore_torque_limits, set_torque_limit
 
 __all__ = ["CanOpenAdapter"]
 
-SYNC = CanFrame(0x080)
 NMT_START, NMT_PRE_OPERATIONAL = 0x01, 0x80
 STOPPED = 4  # state of a node in its heartbeat
-
-# Frames that a node sends, by their identifier without the node number.
-EMERGENCY, SDO_ANSWER, HEARTBEAT = 0x080, 0x580, 0x700
 
 HEARTBEATS_MISSED = 3
 STEP = 0.002  # between the commands that lead a drive through its states [s]
 
 
-class CanOpenAdapter(CanAdapter):
+class CanOpenAdapter(CanOpenReceiver):
     """CiA 402 drives on one CAN bus.
 
     Args:
@@ -60,84 +53,11 @@ class CanOpenAdapter(CanAdapter):
         open_link: Callable[[], CanLink] | None = None,
         clock: Clock | None = None,
     ) -> None:
-        super().__init__(configuration, configuration.joints, open_link, clock, parts=len(STATE_OBJECTS))
-        self._configuration = configuration
-        self._drives = [self._make_drive(joint.id) for joint in configuration.joints]
-        self._routes = self._make_routes()
+        super().__init__(configuration, open_link, clock)
         self._period = STEP
         self._configured = False  # to the end, and nothing has come between since
         self._known = False  # whether mode and period in use were ever configured to the end
         self._next_beat_ns = 0
-
-    def _make_drive(self, node_id: int) -> CanOpenDrive:
-        def send(identifier: int, data: bytes) -> None:
-            self._send([CanFrame(identifier, data)])
-
-        return CanOpenDrive(node_id, ServiceChannel(node_id, send, self._wait, self._configuration.response_timeout))
-
-    def _make_routes(self) -> dict[int, Callable[[bytes], None]]:
-        """What to do with the frames of each identifier, states aside."""
-        routes: dict[int, Callable[[bytes], None]] = {}
-        for joint, drive in enumerate(self._drives):
-            node = drive.node_id
-            routes[SDO_ANSWER + node] = drive.service.on_answer
-            routes[EMERGENCY + node] = partial(self._take_emergency, joint)
-            routes[HEARTBEAT + node] = partial(self._take_heartbeat, drive)
-        return routes
-
-    def _route_states(self) -> None:
-        """Take states from now on: before, neither their scaling is known nor what the drives have mapped into them."""
-        self._routes = self._make_routes()
-        used = [SYNC.identifier, *self._routes]
-        for joint, drive in enumerate(self._drives):
-            command, (motion, condition) = drive.identifiers
-            for identifier in (command, motion, condition):
-                if identifier in used:
-                    raise AdapterConfigurationError(
-                        f"node {drive.node_id} has its process data on identifier {identifier:#05x}, which is in use: "
-                        f"give it another one (1400 to 1403, 1800 to 1803)"
-                    )
-                used.append(identifier)
-            self._routes[motion] = partial(self._take_motion, joint)
-            self._routes[condition] = partial(self._take_condition, joint)
-
-    def _on_frame(self, frame: CanFrame) -> None:
-        route = None if frame.extended else self._routes.get(frame.identifier)
-        if route is not None:
-            route(frame.data)
-
-    def _take_heartbeat(self, drive: CanOpenDrive, data: bytes) -> None:
-        drive.take_heartbeat(data, self.clock.now_ns())
-
-    def _take_emergency(self, joint: int, data: bytes) -> None:
-        """An error counts as a state: a node that has left operational sends no other (1029)."""
-        drive = self._drives[joint]
-        drive.take_emergency(data)
-        if drive.emergency:
-            self._reported.fault[joint] = drive.emergency
-            self._arrivals.mark(2 * joint)
-            self._arrivals.mark(2 * joint + 1)
-            self._taken_ns = -1  # whatever was asked for, and taken already
-
-    def _take_motion(self, joint: int, data: bytes) -> None:
-        if len(data) != MOTION.size:
-            self.n_damaged += 1
-            return
-        drive, reported = self._drives[joint], self._reported
-        drive.take_motion(data)
-        reported.position[joint] = drive.position_count * drive.scaling.position
-        reported.torque[joint] = drive.torque_count * drive.scaling.torque
-        self._arrivals.mark(2 * joint)
-
-    def _take_condition(self, joint: int, data: bytes) -> None:
-        if len(data) != CONDITION.size:
-            self.n_damaged += 1
-            return
-        drive, reported = self._drives[joint], self._reported
-        drive.take_condition(data)
-        reported.velocity[joint] = drive.velocity_count * drive.scaling.velocity
-        reported.fault[joint] = drive.find_fault(self._running)
-        self._arrivals.mark(2 * joint + 1)
 
     # -- opening ------------------------------------------------------------------------------------------
 

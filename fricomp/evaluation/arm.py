@@ -6,16 +6,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fricomp.errors import RecordingError
-from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, load_model
 from fricomp.overview import Overview, OverviewTable, Shown
 from fricomp.recording import Recording
 
 from .arm_motion import ArmMotion, read_arm_motion
-from .errors import Spans, measure_torque, select_starts, summarise_positions
+from .errors import Spans, compare_joints, measure_torque, select_starts, summarise_positions
 from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 from .simulated_arm import SimulatedArm, read_simulated_arm
@@ -145,22 +142,15 @@ def _measure(arm: SimulatedArm, motion: ArmMotion, spans: Spans | None, name: st
         measure_torque(one, [part.torque for part in one.parts], [each.torque[:, j] for each in along], spans)
         for j, one in enumerate(motion.joints)
     ]
-    found: list[dict[float, list[tuple[FloatArray, FloatArray]]]] = [{} for _ in motion.joints]
     moves = [motion.moves(k) for k in range(motion.n_parts)]
     starts = select_starts(motion.times, moves, spans, EVALUATION.arm_starts, longest)
-    for number in range(motion.n_parts):
-        horizons, chosen = starts.horizons[number], starts.chosen[number]
-        if not horizons or chosen.size == 0:
-            continue
-        lengths = [round(one / motion.dt) for one in horizons]
-        reached = arm.simulate(motion, number, along[number], chosen, lengths)
-        for j, one in enumerate(motion.joints):
-            true = one.parts[number].position
-            for horizon, length, end in zip(horizons, lengths, reached[:, :, j], strict=True):
-                pair = end - true[chosen + length], np.abs(true[chosen + length] - true[chosen])
-                found[j].setdefault(horizon, []).append(pair)
+    found = compare_joints(
+        motion.joints,
+        starts,
+        lambda number, chosen, lengths: arm.simulate(motion, number, along[number], chosen, lengths),
+    )
     joints = tuple(
-        JointErrors(motion.names[j], torque[j], summarise_positions(one, found[j]))
-        for j, one in enumerate(motion.joints)
+        JointErrors(name, error, summarise_positions(one, pairs))
+        for name, error, one, pairs in zip(motion.names, torque, motion.joints, found, strict=True)
     )
     return ArmEvaluation(name if arm.laws is None else f"friction models in {name}", joints, arm.notes)

@@ -1,7 +1,7 @@
 """A joint as its equation of motion: tau = J a + gravity + offset + friction, along a recording and on its own."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
@@ -235,9 +235,7 @@ def _move(point: OperatingPoint, step: float | FloatArray) -> OperatingPoint:
     """The point at a slightly higher speed, so that nothing rests."""
     v = np.asarray(point.velocity, dtype=np.float64)
     away = np.where(v >= 0.0, v + step, v - step)
-    return OperatingPoint(
-        away, point.position, point.acceleration, point.load_torque, point.normal_load, point.temperature
-    )
+    return replace(point, velocity=away)
 
 
 def _look_ahead(term: DynamicTerm, point: OperatingPoint, before: FloatArray, dt: float) -> Parts:

@@ -14,18 +14,23 @@ from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 
 Spans = Sequence[tuple[float, float]]
+Pairs = dict[float, list[tuple[FloatArray, FloatArray]]]
+"""Error of each start, and the way that the joint went, by the time after the start [s]."""
 Simulate = Callable[[int, Index, Sequence[int]], FloatArray]
 """Position of the model in a part, from starts, after numbers of samples. Shape (n_lengths, n_starts)."""
 
 
+def mark_spans(time: FloatArray, spans: Spans) -> Rows:
+    """Samples within the spans of time [s]. Shape (n,)."""
+    inside = np.zeros(time.size, dtype=bool)
+    for start, stop in spans:
+        inside |= (time >= start) & (time < stop)
+    return inside
+
+
 def select_rows(part: MotionPart, spans: Spans | None) -> Rows:
     """Samples in motion within the spans of time; all in motion where none are given. Shape (n,)."""
-    if spans is None:
-        return part.moves
-    inside = np.zeros(part.time.size, dtype=bool)
-    for start, stop in spans:
-        inside |= (part.time >= start) & (part.time < stop)
-    return part.moves & inside
+    return part.moves if spans is None else part.moves & mark_spans(part.time, spans)
 
 
 class TorqueLeft(NamedTuple):
@@ -111,18 +116,25 @@ def measure_positions(
 
 def compare_positions(
     motion: RecordedMotion, simulate: Simulate, spans: Spans | None = None, count: int = EVALUATION.starts
-) -> dict[float, list[tuple[FloatArray, FloatArray]]]:
-    """Error of each start, and the way that the joint went, by the time after the start [s]."""
-    found: dict[float, list[tuple[FloatArray, FloatArray]]] = {}
+) -> Pairs:
+    """Simulate from many measured states; see `measure_positions`."""
     starts = select_starts([one.time for one in motion.parts], [one.moves for one in motion.parts], spans, count)
-    for number, part in enumerate(motion.parts):
-        horizons, chosen = starts.horizons[number], starts.chosen[number]
+    return compare_joints([motion], starts, lambda *of: simulate(*of)[:, :, None])[0]
+
+
+def compare_joints(motions: Sequence[RecordedMotion], starts: Starts, simulate: Simulate) -> list[Pairs]:
+    """The same of joints that move together: `simulate` gives the positions of all, in an axis behind the starts."""
+    found: list[Pairs] = [{} for _ in motions]
+    for number, (horizons, chosen) in enumerate(zip(starts.horizons, starts.chosen, strict=True)):
         if chosen.size == 0 or not horizons:
             continue
-        lengths = [round(one / part.dt) for one in horizons]
-        for horizon, length, reached in zip(horizons, lengths, simulate(number, chosen, lengths), strict=True):
-            true = part.position[chosen + length]
-            found.setdefault(horizon, []).append((reached - true, np.abs(true - part.position[chosen])))
+        lengths = [round(one / motions[0].parts[number].dt) for one in horizons]
+        ends = simulate(number, chosen, lengths)
+        for j, motion in enumerate(motions):
+            true = motion.parts[number].position
+            for horizon, length, reached in zip(horizons, lengths, ends[:, :, j], strict=True):
+                there = true[chosen + length]
+                found[j].setdefault(horizon, []).append((reached - there, np.abs(there - true[chosen])))
     return found
 
 

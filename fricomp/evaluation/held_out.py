@@ -6,6 +6,7 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
 from .errors import (
+    Pairs,
     compare_positions,
     summarise_positions,
     summarise_torque,
@@ -30,7 +31,7 @@ def evaluate_folds(name: str, models: Sequence[FrictionModel], motion: RecordedM
         RecordingError: The joint hardly moves.
     """
     torque = []
-    found: dict[float, list[tuple[FloatArray, FloatArray]]] = {}
+    found: Pairs = {}
     for model, spans in zip(models, split_folds(motion), strict=True):
         along = JointAlong(build_evaluated(model, name), motion)
         torque.append(along.compare_torque(spans))

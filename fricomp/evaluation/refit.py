@@ -20,6 +20,7 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
 from .equation import JointEquation, TermMemory, align_torque, recall_torque
+from .errors import mark_spans
 from .motion import RecordedMotion, Rows, low_pass
 from .settings import REFIT
 
@@ -284,9 +285,7 @@ class _Problem:
             stride, gap = _choose_stride(motion), REFIT.gap / motion.band
             for k, spans in enumerate(split_folds(motion)):
                 for part in motion.parts:
-                    inside = np.zeros(part.time.size, dtype=bool)
-                    for a, b in spans:
-                        inside |= (part.time >= a - gap) & (part.time < b + gap)
+                    inside = mark_spans(part.time, [(a - gap, b + gap) for a, b in spans])
                     result[k].append(inside[::stride][part.moves[::stride]])
         # rows of a part follow each other as in the residual
         return [np.concatenate(one) for one in result]

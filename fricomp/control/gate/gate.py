@@ -6,11 +6,11 @@ Pure Python floats in lists: for the seven joints of an arm that is several time
 import math
 import sys
 from collections.abc import Callable, MutableSequence, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from fricomp.control.gate.limits import JointLimits
 from fricomp.control.gate.motion_watch import MotionWatch
+from fricomp.control.gate.trip import TripReason, TripRecord
 from fricomp.control.number import is_number
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
@@ -24,45 +24,6 @@ _HIGHEST = sys.float_info.max  # no position is as high as infinity, not even on
 # Reported torque over its limit, and states in a row, from which a drive's own loop goes too far: noise stays below.
 _TOO_MUCH, _IN_A_ROW = 1.25, 3
 _UNKNOWN_TEMPERATURE_NS = 1_000_000_000  # drives tell it some ten times a second
-
-TripReason = Literal[
-    "not_finite",
-    "absurd_command",
-    "wrong_joint_count",
-    "overspeed",
-    "position_limit",
-    "overtemperature",
-    "overtorque",
-    "jump",
-    "contradiction",
-    "frozen",
-    "runaway",
-    "stale",
-    "drive_fault",
-    "link",
-    "overrun",
-    "stop",
-    "exception",
-]
-"""Why the gate latched."""
-
-
-@dataclass(frozen=True)
-class TripRecord:
-    """The first trip since the last reset.
-
-    Attributes:
-        reason: What kind of trip it was.
-        detail: The value and the limit, in words.
-        time_ns: When, on the adapter's clock; None where the caller did not say [ns].
-    """
-
-    reason: TripReason
-    detail: str
-    time_ns: int | None = None
-
-    def __str__(self) -> str:
-        return f"{self.reason.replace('_', ' ')}: {self.detail}"
 
 
 class SafetyGate:

@@ -10,7 +10,8 @@ from typing import Protocol
 
 from fricomp.control.compensation.adaptation import AdaptationSettings
 from fricomp.control.compensation.compensator import Compensator, require_one_each
-from fricomp.control.gate.gate import SafetyGate, TripRecord
+from fricomp.control.gate.gate import SafetyGate
+from fricomp.control.gate.trip import TripRecord
 from fricomp.control.loop.ending import Stoppable, require_stopped, stopping_at_exit, stopping_on_error
 from fricomp.control.loop.interruption import EndingSignals, warn_of_unheard_signals
 from fricomp.control.loop.load import LoadModel

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fricomp.control import JointLimits, SafetyGate
-from fricomp.control.gate.gate import ABSURD_TORQUE_RATIO, TripRecord
+from fricomp.control.gate.gate import ABSURD_TORQUE_RATIO
+from fricomp.control.gate.trip import TripRecord
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
 
