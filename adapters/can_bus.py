@@ -6,7 +6,8 @@ import warnings
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from fricomp.errors import AdapterConnectionError, MissingExtraError
+from fricomp.errors import AdapterConnectionError
+from fricomp.extras import needing
 
 from .configuration import CanBusConfiguration
 from .link import CanLink, PythonCanLink
@@ -22,10 +23,8 @@ def open_can_link(configuration: CanBusConfiguration) -> CanLink:
         AdapterConnectionError: It cannot be opened.
         MissingExtraError: python-can is not installed.
     """
-    try:
+    with needing("python-can", "can"):
         import can  # noqa: F401
-    except ImportError as error:
-        raise MissingExtraError("python-can", "can") from error
     try:
         return PythonCanLink(_open_bus(configuration))
     except Exception as error:

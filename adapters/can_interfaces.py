@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from fricomp.errors import MissingExtraError
+from fricomp.extras import needing
 
 __all__ = ["CanInterface", "list_can_interfaces"]
 
@@ -52,10 +52,8 @@ def _of_linux() -> list[CanInterface]:
 
 
 def _of_vendors() -> list[CanInterface]:
-    try:
+    with needing("python-can", "can"):
         import can
-    except ImportError as error:
-        raise MissingExtraError("python-can", "can") from error
     found = []
     with _silence():  # every driver that is not installed complains
         for name in VENDORS:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from fricomp.errors import AdapterConnectionError, MissingExtraError
+from fricomp.errors import AdapterConnectionError
+from fricomp.extras import needing
 
 BY_SERIAL_NUMBER = "usb:"
 """What a port begins with that is named by its serial number: `usb:FT6S4DSP`."""
@@ -38,10 +39,8 @@ def list_serial_ports() -> tuple[SerialPort, ...]:
     Raises:
         MissingExtraError: pyserial is not installed.
     """
-    try:
+    with needing("pyserial", "serial"):
         from serial.tools.list_ports import comports
-    except ImportError as error:
-        raise MissingExtraError("pyserial", "serial") from error
     ports = [SerialPort(p.device, p.serial_number or "", p.description or "", p.vid is not None) for p in comports()]
     return tuple(sorted(ports))
 

@@ -1,7 +1,8 @@
 """The extras: which of them brings a package that is not installed, and refusing early what needs one."""
 
 import re
-from importlib.metadata import PackageNotFoundError, requires
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 
 from fricomp.errors import MissingExtraError
@@ -23,6 +24,8 @@ _COLLECTIVE = ("all", "dev")
 
 def extra_for(module: str) -> str | None:
     """The extra that brings the package of `module`, or None where fricomp knows of none."""
+    from importlib.metadata import PackageNotFoundError, requires
+
     top = module.partition(".")[0]
     wanted = _DISTRIBUTION.get(top, top).lower()
     try:
@@ -39,6 +42,19 @@ def extra_for(module: str) -> str | None:
 def is_installed(module: str) -> bool:
     """Whether a package can be imported; it is not imported."""
     return find_spec(module) is not None
+
+
+@contextmanager
+def needing(package: str, extra: str) -> Iterator[None]:
+    """Import a package of an extra in here, so that its absence says how to install it.
+
+    Raises:
+        MissingExtraError: It is not installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtraError(package, extra) from error
 
 
 def require(*modules: str, extra: str = "") -> None:

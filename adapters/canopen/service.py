@@ -5,7 +5,8 @@ import queue
 from collections.abc import Callable
 from typing import Any
 
-from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, MissingExtraError
+from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout
+from fricomp.extras import needing
 
 from .objects import CanOpenObject
 
@@ -177,11 +178,9 @@ class _Wire:
 
 
 def _make_client(node_id: int, send: Callable[[int, bytes], None], answers: _PumpedQueue) -> Any:
-    try:
+    with needing("canopen", "can"):
         import canopen
         from canopen.sdo.client import SdoClient
-    except ImportError as error:
-        raise MissingExtraError("canopen", "can") from error
     # What it logs is raised as an error, too; without a handler Python would print it on top.
     logging.getLogger("canopen").addHandler(logging.NullHandler())
 

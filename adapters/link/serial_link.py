@@ -7,7 +7,8 @@ import select
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Protocol
 
-from fricomp.errors import AdapterConnectionError, MissingExtraError
+from fricomp.errors import AdapterConnectionError
+from fricomp.extras import needing
 
 from ..configuration import SerialConfiguration
 from ..ports import BY_SERIAL_NUMBER, find_device
@@ -148,10 +149,8 @@ def open_serial_link(configuration: SerialConfiguration) -> PySerialLink:
         AdapterConnectionError: It cannot be opened, or no port has its serial number.
         MissingExtraError: pyserial is not installed.
     """
-    try:
+    with needing("pyserial", "serial"):
         import serial
-    except ImportError as error:
-        raise MissingExtraError("pyserial", "serial") from error
     device = find_device(configuration.port)
     try:
         port = serial.serial_for_url(device, baudrate=configuration.baudrate, timeout=0.0, write_timeout=0.0)

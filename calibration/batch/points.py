@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricomp.errors import IdentificationError, MissingExtraError
+from fricomp.errors import IdentificationError
+from fricomp.extras import needing
 
 from ..identification.estimation.form import LARGEST_DRY
 from ..identification.estimation.observation import Observations, observe
@@ -93,10 +94,8 @@ def stack_points(joints: Sequence[Observations], device: str) -> PointBatch:
         IdentificationError: torch has no such device here.
         MissingExtraError: torch is not installed.
     """
-    try:
+    with needing("torch", "calibrate"):
         import torch
-    except ImportError as error:
-        raise MissingExtraError("torch", "calibrate") from error
     sides = [(points.forward, ~points.forward) for points in joints]
     shape = (len(joints), 2, max(int(side.sum()) for pair in sides for side in pair))
     speed, magnitude, given = np.ones(shape), np.zeros(shape), np.zeros(shape)

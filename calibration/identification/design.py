@@ -13,9 +13,9 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FloatArray
 from fricomp.model import FrictionModel
 
-from .estimation.form import SeparableLaw, separable_law
+from .estimation.form import separable_law
 from .estimation.information import compute_log_deviations, invert_information
-from .estimation.observation import Observations
+from .estimation.observation import list_places
 
 __all__ = ["SpeedPlan", "expected_deviation", "plan_informative_speeds"]
 
@@ -79,11 +79,9 @@ def plan_informative_speeds(
             f"at least 8 plateaus and a speed limit above the slowest speed are needed, got n={n}, "
             f"speeds {low:g} to {speed_limit:g}"
         )
-    form = separable_law("stribeck")
-    logs = np.log(np.maximum([model.law.parameters()[name] for name in form.names], 1e-12))
     grid = np.geomspace(low, speed_limit, _CANDIDATES)
     velocity = np.concatenate([-grid[::-1], grid])
-    regressors = _regressors(form, logs, velocity, noise)
+    regressors = _regressors(model, velocity, noise)
     share = _merge(velocity, _optimise(regressors))
     plateaus = _apportion(share, n)
     used = plateaus > 0
@@ -105,18 +103,15 @@ def expected_deviation(model: FrictionModel, velocity: FloatArray, noise: NoiseR
         velocity: [rad/s] or [m/s]. Shape (n,).
         noise: Whether the noise is relative to the torque or absolute.
     """
-    form = separable_law("stribeck")
-    logs = np.log(np.maximum([model.law.parameters()[name] for name in form.names], 1e-12))
     moving = velocity[velocity != 0.0]
-    return _mean_deviation(_regressors(form, logs, moving, noise), np.ones(len(moving)))
+    return _mean_deviation(_regressors(model, moving, noise), np.ones(len(moving)))
 
 
-def _regressors(form: SeparableLaw, logs: FloatArray, velocity: FloatArray, noise: NoiseReading) -> FloatArray:
+def _regressors(model: FrictionModel, velocity: FloatArray, noise: NoiseReading) -> FloatArray:
     """Derivative of a reading, in units of its noise, by the logarithms. Shape (n_speeds, n_parameters)."""
-    points = Observations(
-        np.abs(velocity), velocity > 0.0, np.ones_like(velocity), None, np.arange(len(velocity), dtype=np.intp)
-    )
-    magnitude, jacobian = form.evaluate(logs, points)
+    form, values = separable_law("stribeck"), model.law.parameters()
+    logs = np.log(np.maximum([values[name] for name in form.names], 1e-12))
+    magnitude, jacobian = form.evaluate(logs, list_places(velocity))
     return jacobian / magnitude[:, None] if noise == "relative" else jacobian
 
 

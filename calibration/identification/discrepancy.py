@@ -17,7 +17,7 @@ from ..network import TanhNetwork
 from ..network.training import TrainingLimits, train_network
 from .estimation.gathering import gather_points
 from .estimation.likelihood import Noise
-from .estimation.observation import Observations
+from .estimation.observation import Observations, list_places
 from .estimation.optimum import Optimum, fit_likelihood, optimum_at
 from .result import IdentificationResult
 
@@ -230,8 +230,5 @@ def _anchor(result: IdentificationResult, closed: Optimum) -> _Anchor:
     if points.normal_load is not None:
         levels = np.unique(np.quantile(points.normal_load, [0.0, 0.5, 1.0]))
         velocity, loads = np.tile(velocity, len(levels)), np.repeat(levels, len(velocity))
-    there = Observations(
-        np.abs(velocity), velocity > 0.0, np.ones_like(velocity), loads, np.arange(len(velocity), dtype=np.intp)
-    )
-    magnitude, _ = result.form.evaluate(closed.logs, there)
+    magnitude, _ = result.form.evaluate(closed.logs, list_places(velocity, loads))
     return _Anchor(velocity, loads, np.sign(velocity) * magnitude)

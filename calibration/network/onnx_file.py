@@ -2,19 +2,13 @@
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fricomp.errors import ExportError, MissingExtraError
-from fricomp.whole_file import write_whole
+from fricomp.export.onnx_graph import build_model, import_onnx, save_graph
 
 from .architecture import TanhNetwork
-
-OPSET = 17
-"""Operator set written; every operator used exists unchanged since set 13."""
-_IR_VERSION = 8
 
 
 def save_network(network: TanhNetwork, path: str | os.PathLike[str], metadata: Mapping[str, str]) -> None:
@@ -29,19 +23,11 @@ def save_network(network: TanhNetwork, path: str | os.PathLike[str], metadata: M
         MissingExtraError: onnx is not installed.
         ExportError: The file cannot be written.
     """
-    try:
-        import onnx
-    except ImportError:
-        raise MissingExtraError("onnx", "calibrate") from None
-    model = _graph_model(network, onnx)
-    for key, value in sorted(({"opset": str(OPSET)} | dict(metadata)).items()):
-        model.metadata_props.add(key=key, value=value)
-    onnx.checker.check_model(model)
-    write_whole(Path(path), model.SerializeToString(), ExportError)
+    save_graph(_build_graph(network, import_onnx()), path, dict(metadata))
 
 
-def _graph_model(network: TanhNetwork, onnx: Any) -> Any:
-    helper, FLOAT = onnx.helper, onnx.TensorProto.FLOAT
+def _build_graph(network: TanhNetwork, onnx: Any) -> Any:
+    helper = onnx.helper
     constants = {
         "input_offset": np.array([0.0, network.load_offset]),
         "input_scale": np.array([network.velocity_scale, network.load_scale]),
@@ -57,12 +43,4 @@ def _graph_model(network: TanhNetwork, onnx: Any) -> Any:
         if k < len(network.layers) - 1:
             nodes.append(helper.make_node("Tanh", [f"affine_{k}"], [f"signal_{k + 1}"]))
     nodes.append(helper.make_node("Mul", [f"affine_{len(network.layers) - 1}", "torque_scale"], ["torque"]))
-    graph = helper.make_graph(
-        nodes,
-        "friction_torque",
-        [helper.make_tensor_value_info("state", FLOAT, ["n", 2])],
-        [helper.make_tensor_value_info("torque", FLOAT, ["n", 1])],
-        [onnx.numpy_helper.from_array(v.astype(np.float32), name) for name, v in constants.items()],
-    )
-    opset = [helper.make_opsetid("", OPSET)]
-    return helper.make_model(graph, opset_imports=opset, ir_version=_IR_VERSION, producer_name="fricomp")
+    return build_model(onnx, nodes, constants, ("n", 2))

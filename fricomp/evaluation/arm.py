@@ -1,6 +1,5 @@
 """A whole arm: torque error of each joint, and open-loop motion of all joints together."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,11 +12,10 @@ from fricomp.recording import Recording
 
 from .arm_motion import ArmMotion, read_arm_motion
 from .errors import Spans, compare_joints, measure_torque, select_starts, summarise_positions
+from .reading import Source
 from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 from .simulated_arm import SimulatedArm, read_simulated_arm
-
-Source = str | os.PathLike[str]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """One evaluator: how well a model, as it is written in its file, predicts a recording."""
 
-import os
 from pathlib import Path
 
 from fricomp.blas import one_blas_thread
@@ -11,10 +10,8 @@ from fricomp.recording import Recording, read_recording
 from .errors import Spans, measure_positions, summarise_torque
 from .evaluated import EvaluatedJoint, JointAlong
 from .motion import RecordedMotion, read_motion
-from .reading import read_model
+from .reading import Source, read_model
 from .result import Evaluation
-
-Source = str | os.PathLike[str]
 
 
 @one_blas_thread()

@@ -10,18 +10,28 @@ import numpy as np
 from fricomp.control.compensation.curve import FrictionCurves
 from fricomp.control.compensation.network_file import check_graph
 from fricomp.control.compensation.trust import compute_torque_cap, find_doubt_in_status, require_usable, trusted_curves
-from fricomp.errors import ExportError, MissingExtraError
+from fricomp.errors import ExportError
 from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_nodes import NodeWriter
 from fricomp.export.onnx_terms import closed_form
+from fricomp.extras import needing
 from fricomp.laws import FloatArray, find_inputs
 from fricomp.model import FrictionModel
 from fricomp.untrusted import read_whole
 from fricomp.whole_file import write_whole
 
-__all__ = ["STATE_COLUMNS", "closed_form_graph", "save_graph", "stack_networks", "state_columns"]
+__all__ = [
+    "STATE_COLUMNS",
+    "build_model",
+    "closed_form_graph",
+    "import_onnx",
+    "save_graph",
+    "stack_networks",
+    "state_columns",
+]
 
 OPSET = 17
+"""Operator set written; every operator used exists unchanged since set 13."""
 STATE_COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperature", "acceleration")
 """Columns of the input of a closed form; the third to fifth only where a model depends on any of them, and the last one
 only where a model depends on it."""
@@ -48,7 +58,7 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
         ParameterError: A model is not usable.
         MissingExtraError: onnx is not installed.
     """
-    onnx = _onnx()
+    onnx = import_onnx()
     if not models:
         raise ExportError("an ONNX graph needs at least one model")
     for model in models if not any_status else ():
@@ -58,7 +68,7 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     writer.write(closed_form(curves, [compute_torque_cap(model) for model in models]), "torque")
     rows: int | str = "n" if len(models) == 1 else len(models)
     nodes = [onnx.helper.make_node("Split", ["state"], columns, axis=1), *writer.nodes]
-    graph = _model(onnx, nodes, writer.constants, (rows, len(columns)))
+    graph = build_model(onnx, nodes, writer.constants, (rows, len(columns)))
     for key, value in _loads(models, curves).items():
         graph.metadata_props.add(key=key, value=value)
     if unused := [name for name in columns if not any(_depends_on(name, model) for model in models)]:
@@ -108,7 +118,7 @@ def stack_networks(paths: Sequence[str | os.PathLike[str]], *, any_status: bool 
             velocity do not overlap.
         MissingExtraError: onnx is not installed.
     """
-    onnx = _onnx()
+    onnx = import_onnx()
     networks = [_read_network(onnx, Path(path), any_status) for path in paths]
     tables = [table for table, _ in networks]
     depths = {sum(name.startswith("weight_") for name in table) for table in tables}
@@ -130,7 +140,7 @@ def stack_networks(paths: Sequence[str | os.PathLike[str]], *, any_status: bool 
     nodes.append(node("Reshape", [f"affine_{n_layers - 1}", "column"], ["torque"]))
     shapes = {"flat": np.array([1, 2 * n_joints]), "column": np.array([n_joints, 1])}
     integers = {name: values.astype(np.int64) for name, values in shapes.items()}
-    graph = _model(onnx, nodes, constants, (n_joints, 2), integers)
+    graph = build_model(onnx, nodes, constants, (n_joints, 2), integers)
     for key, value in sorted(join_facts([about for _, about in networks]).items()):
         graph.metadata_props.add(key=key, value=value)
     return graph
@@ -169,15 +179,18 @@ def save_graph(graph: Any, path: str | os.PathLike[str], metadata: dict[str, str
     del graph.metadata_props[:]
     for key, value in sorted((stated | {"opset": str(OPSET)} | (metadata or {})).items()):
         graph.metadata_props.add(key=key, value=value)
-    _onnx().checker.check_model(graph)
+    import_onnx().checker.check_model(graph)
     write_whole(Path(path), graph.SerializeToString(), ExportError)
 
 
-def _onnx() -> Any:
-    try:
+def import_onnx() -> Any:
+    """The package, which carries no types.
+
+    Raises:
+        MissingExtraError: It is not installed.
+    """
+    with needing("onnx", "onnx"):
         import onnx
-    except ImportError:
-        raise MissingExtraError("onnx", "onnx") from None
     return onnx
 
 
@@ -216,13 +229,22 @@ def _is_network(table: dict[str, FloatArray]) -> bool:
     return n_layers > 0 and width == 1 and sizes == [2, 2, 1] and is_finite and bool(np.all(table["input_scale"]))
 
 
-def _model(
+def build_model(
     onnx: Any,
     nodes: list[Any],
     constants: dict[str, FloatArray],
     shape: tuple[int | str, int],
     integers: dict[str, Any] | None = None,
 ) -> Any:
+    """The model of these nodes: input `state` of the shape given, output `torque` of as many rows.
+
+    Args:
+        onnx: The package.
+        nodes: From `state` to `torque`.
+        constants: Tensors by name, written as float32.
+        shape: Rows, as a number or a name, and columns.
+        integers: Tensors of whole numbers.
+    """
     helper, FLOAT = onnx.helper, onnx.TensorProto.FLOAT
     tensors = [onnx.numpy_helper.from_array(value.astype(np.float32), name) for name, value in constants.items()]
     tensors += [onnx.numpy_helper.from_array(value, name) for name, value in (integers or {}).items()]

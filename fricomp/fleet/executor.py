@@ -19,7 +19,8 @@ from multiprocessing.connection import wait as wait_for
 from typing import Any, TypeVar
 from urllib.parse import parse_qsl
 
-from fricomp.errors import DiagnosisError, MissingExtraError
+from fricomp.errors import DiagnosisError
+from fricomp.extras import needing
 
 EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://tls://host:port?ca=&cert=&key=, dask://local:N"
 
@@ -159,10 +160,8 @@ def _one_thread_each() -> Iterator[None]:
 
 def _import_dask() -> Any:
     """dask.distributed, whose functions carry no types."""
-    try:
+    with needing("dask.distributed", "bench"):
         import distributed
-    except ImportError as error:
-        raise MissingExtraError("dask.distributed", "bench") from error
     return distributed
 
 

@@ -17,7 +17,8 @@ from fricomp.calibration.identification.provenance import compute_provenance
 from fricomp.calibration.identification.report.chart import REACH
 from fricomp.calibration.identification.result import NoiseEstimate
 from fricomp.calibration.table import FrictionTable, read_friction_table
-from fricomp.errors import FricompError, IdentificationError, MissingExtraError
+from fricomp.errors import FricompError, IdentificationError
+from fricomp.extras import needing
 from fricomp.folder_lock import FolderLock
 from fricomp.model import Covariance, FrictionModel, Validity, encode_model
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
@@ -110,10 +111,8 @@ def _prepare(joint: FleetJoint, before: FleetRow | None, out: Path) -> tuple[Par
 
 def _require_device(device: str) -> None:
     """Refuse a device that is not there, before a folder is begun with it."""
-    try:
+    with needing("torch", "calibrate"):
         import torch
-    except ImportError as error:
-        raise MissingExtraError("torch", "calibrate") from error
     try:
         torch.empty(1, device=device)
     except (RuntimeError, AssertionError, NotImplementedError) as error:  # a build without CUDA asserts

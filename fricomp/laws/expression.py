@@ -10,7 +10,7 @@ computes arrays and the one that is printed as Python, C or ONNX are the same li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,17 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from fricomp.errors import ParameterError
 
-__all__ = ["FUNCTIONS", "Call", "Expression", "Number", "Symbol", "as_expression", "differentiate", "find_symbols"]
+__all__ = [
+    "FUNCTIONS",
+    "Call",
+    "Expression",
+    "Number",
+    "Symbol",
+    "add_up",
+    "as_expression",
+    "differentiate",
+    "find_symbols",
+]
 
 COMPARISONS = ("greater", "greater_equal", "less", "less_equal")
 """Functions that give a condition, of which `np.where` makes a choice."""
@@ -109,6 +119,13 @@ def as_expression(value: Any) -> Expression:
     if isinstance(value, int | float | np.number) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return Number(float(value))
     raise ParameterError(f"a formula holds numbers and inputs only, got {value!r}")
+
+
+def add_up(parts: Iterable[Any]) -> Expression:
+    """The sum of the expressions that are given, those that are None aside; zero for none."""
+    given = [part for part in parts if part is not None]
+    total: Expression = sum(given[1:], given[0]) if given else Number(0.0)
+    return total
 
 
 def find_symbols(*expressions: Expression | None) -> frozenset[str]:

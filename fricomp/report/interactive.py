@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.errors import MissingExtraError
+from fricomp.extras import needing
 from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule, Values
 from fricomp.report.thinning import thin
 
@@ -40,11 +40,9 @@ def draw_interactive(chart: Chart) -> str:
     Raises:
         MissingExtraError: plotly is not installed.
     """
-    try:
+    with needing("plotly", "report"):
         from plotly.io import to_html
         from plotly.subplots import make_subplots
-    except ModuleNotFoundError as error:
-        raise MissingExtraError("plotly", "report") from error
     gap = _GAP_SHARED if chart.share_x else _GAP
     height = chart.rows * chart.panel_height + (chart.rows - 1) * gap + _MARGIN["t"] + _MARGIN["b"]
     inner = height - _MARGIN["t"] - _MARGIN["b"]

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from fricomp.errors import MissingExtraError, ParameterError
+from fricomp.errors import ParameterError
+from fricomp.extras import needing
 from fricomp.report.chart import Chart
 from fricomp.report.interactive import draw_interactive, plotly_script
 from fricomp.whole_file import write_whole
@@ -116,10 +117,8 @@ def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
         MissingExtraError: jinja2 or plotly is not installed.
         OutputError: The file cannot be written.
     """
-    try:
+    with needing("jinja2", "report"):
         from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-    except ModuleNotFoundError as error:
-        raise MissingExtraError("jinja2", "report") from error
     environment = Environment(
         loader=PackageLoader("fricomp.report", "."),
         autoescape=select_autoescape(["html"]),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fricomp.errors import MissingExtraError
+from fricomp.extras import needing
 from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
 from fricomp.report.thinning import thin
 from fricomp.whole_file import whole_file
@@ -78,10 +78,8 @@ def draw_figure(chart: Chart) -> Figure:
 
 
 def _styled() -> AbstractContextManager[None]:
-    try:
+    with needing("matplotlib", "report"):
         from matplotlib import rc_context
-    except ModuleNotFoundError as error:
-        raise MissingExtraError("matplotlib", "report") from error
     return rc_context(_STYLE)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-from fricomp.errors import MissingExtraError
+from fricomp.extras import needing
 
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 
@@ -17,8 +17,6 @@ def compile_cached(function: _Function) -> _Function:
     Raises:
         MissingExtraError: numba is not installed.
     """
-    try:
+    with needing("numba", "sim"):
         import numba
-    except ImportError as error:  # pragma: no cover - depends on the installation
-        raise MissingExtraError("numba", "sim") from error
     return cast("_Function", numba.njit(cache=True, nogil=True, error_model="numpy")(function))

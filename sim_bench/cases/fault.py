@@ -1,6 +1,7 @@
 """Faults of the signal itself, which a data check must find before any physics is named."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,25 +31,17 @@ def _drop(channels: Channels, rng: np.random.Generator) -> Channels:
     return {name: values[kept] for name, values in channels.items()}
 
 
-def _stick(channels: Channels, rng: np.random.Generator) -> Channels:
-    """The torque channel repeats its last value for a third of the recording."""
+def _hold(name: str, channels: Channels, rng: np.random.Generator) -> Channels:
+    """A channel repeats its last value for a third of the recording while the joint moves."""
     n = channels["time"].size
     start = int(rng.uniform(0.2, 0.5) * n)
-    channels["torque"][start : start + n // 3] = channels["torque"][start]
-    return channels
-
-
-def _freeze(channels: Channels, rng: np.random.Generator) -> Channels:
-    """The position channel stands still for a third of the recording while the joint moves."""
-    n = channels["time"].size
-    start = int(rng.uniform(0.2, 0.5) * n)
-    channels["position"][start : start + n // 3] = channels["position"][start]
+    channels[name][start : start + n // 3] = channels[name][start]
     return channels
 
 
 FAULTS: dict[str, Callable[[Channels, np.random.Generator], Channels]] = {
     "counter_wrap": _wrap,
     "dropped_samples": _drop,
-    "stuck_torque": _stick,
-    "frozen_position": _freeze,
+    "stuck_torque": partial(_hold, "torque"),
+    "frozen_position": partial(_hold, "position"),
 }

@@ -24,7 +24,7 @@ from fricomp.laws import (
     trace_parts,
     trace_step,
 )
-from fricomp.laws.expression import Expression, Number, Symbol, differentiate
+from fricomp.laws.expression import Expression, Symbol, add_up, differentiate
 from fricomp.laws.source import compile_python, print_python
 
 __all__ = ["Contact", "JointFriction", "has_bristle"]
@@ -135,8 +135,8 @@ def _compile(law: FrictionLaw) -> tuple[Any, bool]:
     statics = [trace_parts(term) for term in law.terms if not isinstance(term, DynamicTerm)]
     steps = _trace_steps(law, TracedPoint())
     names = [name for step in steps for name in step.states]
-    held = _add([parts.held for parts in statics])
-    beside = _add([part for step in steps for part in (step.parts.held, step.parts.drag, step.parts.bristle)])
+    held = add_up([parts.held for parts in statics])
+    beside = add_up([part for step in steps for part in (step.parts.held, step.parts.drag, step.parts.bristle)])
     pushes = bool(steps) or any(parts.held is not None for parts in statics)
     lines = [
         "def build():",
@@ -168,8 +168,8 @@ def _level_lines(law: FrictionLaw, name: str, sign: float) -> list[str]:
     point = TracedPoint(velocity=sign * speed, forward=sign > 0.0)
     parts: list[Parts] = [trace_parts(term, point) for term in law.terms if not isinstance(term, DynamicTerm)]
     steps = _trace_steps(law, point)
-    dry = _add([*(each.dry for each in parts), *(step.parts.dry for step in steps)])
-    drag: Any = sign * _add([each.drag for each in parts])
+    dry = add_up([*(each.dry for each in parts), *(step.parts.dry for step in steps)])
+    drag: Any = sign * add_up([each.drag for each in parts])
     slopes = {"slope": differentiate(drag, "speed"), "rise": differentiate(dry, "speed")}
     formulas: dict[str, Expression] = {"level": dry + drag}
     formulas |= {key: slope for key, slope in slopes.items() if slope is not None}
@@ -181,12 +181,6 @@ def _level_lines(law: FrictionLaw, name: str, sign: float) -> list[str]:
         f"    def {name}(speed, contact, CREEP={CREEP!r}):",
         *_indent([*body, "return level + slope * (speed - probed), slope"]),
     ]
-
-
-def _add(parts: Sequence[Any]) -> Expression:
-    given = [part for part in parts if part is not None]
-    total: Expression = sum(given[1:], given[0]) if given else Number(0.0)
-    return total
 
 
 def _assign(formulas: dict[str, Expression], names: dict[str, str] | None = None) -> list[str]:

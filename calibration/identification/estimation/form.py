@@ -1,10 +1,10 @@
 """Static friction laws in separable form: linear in most parameters, which variable projection uses."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from fricomp.laws import (
     SmoothedCoulomb,
     Stribeck,
     StribeckCurve,
+    Term,
     Viscous,
 )
 
@@ -226,7 +227,6 @@ LARGEST_DRY = 10.0
 """Coulomb and static torque are at most this multiple of the largest torque measured [1]."""
 _DRY = ("coulomb_torque", "static_torque")
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
-_FREE_CURVE = (*_CURVE, "stribeck_exponent")
 _TIED: Mapping[str, Mapping[str, str]] = {
     "asymmetric_coulomb_viscous": {
         f"stribeck.{d}.static_torque": f"stribeck.{d}.coulomb_torque" for d in ("forward", "reverse")
@@ -234,32 +234,44 @@ _TIED: Mapping[str, Mapping[str, str]] = {
 }
 """Of a form, the parameters that follow others: a Stribeck curve that does not fall."""
 _ONE = StribeckCurve(1.0, 1.0, 1.0, 1.0)
-_Template = tuple[Basis, tuple[str, ...], bool]
-_FORMS: Mapping[str, _Template] = {
-    "stribeck": (_Stribeck(), tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in _CURVE), True),
-    "free_stribeck": (
-        _FreeStribeck(),
-        tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in _FREE_CURVE),
-        True,
+_SMOOTHED = ("smoothed_coulomb.coulomb_torque", "smoothed_coulomb.smoothing_velocity", "viscous.viscous_coefficient")
+
+
+class _Form(NamedTuple):
+    """A basis with the names of its parameters, the terms they belong to, and whether each direction has its own."""
+
+    basis: Basis
+    names: tuple[str, ...]
+    terms: Callable[[LoadScaling], tuple[Term, ...]]
+    bidirectional: bool = False
+
+
+def _in_both(*names: str) -> tuple[str, ...]:
+    """Parameters of the bidirectional term."""
+    return tuple(f"stribeck.{direction}.{name}" for direction in ("forward", "reverse") for name in names)
+
+
+def _bidirectional(load: LoadScaling) -> tuple[Term, ...]:
+    return (BidirectionalStribeck(_ONE, _ONE, load),)
+
+
+_FORMS: Mapping[str, _Form] = {
+    "stribeck": _Form(_Stribeck(), _in_both(*_CURVE), _bidirectional, True),
+    "free_stribeck": _Form(_FreeStribeck(), _in_both(*_CURVE, "stribeck_exponent"), _bidirectional, True),
+    "symmetric_stribeck": _Form(
+        _Stribeck(), tuple(f"symmetric_stribeck.curve.{p}" for p in _CURVE), lambda load: (Stribeck(_ONE, load),)
     ),
-    "symmetric_stribeck": (_Stribeck(), tuple(f"symmetric_stribeck.curve.{p}" for p in _CURVE), False),
-    "coulomb": (_Coulomb(), ("coulomb.coulomb_torque",), False),
-    "coulomb_viscous": (_CoulombViscous(), ("coulomb.coulomb_torque", "viscous.viscous_coefficient"), False),
-    "asymmetric_coulomb_viscous": (
+    "coulomb": _Form(_Coulomb(), ("coulomb.coulomb_torque",), lambda load: (Coulomb(1.0, load),)),
+    "coulomb_viscous": _Form(
         _CoulombViscous(),
-        tuple(f"stribeck.{d}.{p}" for d in ("forward", "reverse") for p in ("coulomb_torque", "viscous_coefficient")),
-        True,
+        ("coulomb.coulomb_torque", "viscous.viscous_coefficient"),
+        lambda load: (Coulomb(1.0, load), Viscous(1.0)),
     ),
-    "tanh": (
-        _Tanh(),
-        ("smoothed_coulomb.coulomb_torque", "smoothed_coulomb.smoothing_velocity", "viscous.viscous_coefficient"),
-        False,
+    "asymmetric_coulomb_viscous": _Form(
+        _CoulombViscous(), _in_both("coulomb_torque", "viscous_coefficient"), _bidirectional, True
     ),
-    "arctan": (
-        _Arctan(),
-        ("smoothed_coulomb.coulomb_torque", "smoothed_coulomb.smoothing_velocity", "viscous.viscous_coefficient"),
-        False,
-    ),
+    "tanh": _Form(_Tanh(), _SMOOTHED, lambda load: (SmoothedCoulomb(1.0, 1.0, "tanh", load), Viscous(1.0))),
+    "arctan": _Form(_Arctan(), _SMOOTHED, lambda load: (SmoothedCoulomb(1.0, 1.0, "arctan", load), Viscous(1.0))),
 }
 
 
@@ -281,26 +293,16 @@ def separable_law(name: str, load: LoadScaling | None = None, *, free_sensitivit
     """
     if name not in _FORMS:
         raise IdentificationError(f"unknown static law {name!r}; known: {', '.join(_FORMS)}")
-    basis, names, bidirectional = _FORMS[name]
-    template = _template(name, load or LoadScaling())
-    owner = names[0].partition(".")[0]
+    form, load = _FORMS[name], load or LoadScaling()
+    owner = form.names[0].partition(".")[0]
     sensitivity = f"{owner}.load.load_sensitivity" if free_sensitivity else None
-    all_names = (*names, sensitivity) if sensitivity else names
-    reference = (load or LoadScaling()).reference_load
-    tied = _TIED.get(name, {})
-    return SeparableLaw(name, basis, all_names, template, bidirectional, reference, sensitivity, tied)
-
-
-def _template(name: str, load: LoadScaling) -> FrictionLaw:
-    shape: Literal["tanh", "arctan"] = "arctan" if name == "arctan" else "tanh"
-    templates = {
-        "stribeck": (BidirectionalStribeck(_ONE, _ONE, load),),
-        "free_stribeck": (BidirectionalStribeck(_ONE, _ONE, load),),
-        "symmetric_stribeck": (Stribeck(_ONE, load),),
-        "coulomb": (Coulomb(1.0, load),),
-        "coulomb_viscous": (Coulomb(1.0, load), Viscous(1.0)),
-        "asymmetric_coulomb_viscous": (BidirectionalStribeck(_ONE, _ONE, load),),
-        "tanh": (SmoothedCoulomb(1.0, 1.0, shape, load), Viscous(1.0)),
-        "arctan": (SmoothedCoulomb(1.0, 1.0, shape, load), Viscous(1.0)),
-    }
-    return FrictionLaw(templates[name])
+    return SeparableLaw(
+        name,
+        form.basis,
+        (*form.names, sensitivity) if sensitivity else form.names,
+        FrictionLaw(form.terms(load)),
+        form.bidirectional,
+        load.reference_load,
+        sensitivity,
+        _TIED.get(name, {}),
+    )

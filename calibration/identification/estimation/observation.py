@@ -97,6 +97,12 @@ class Observations:
         return replace(self, count=count)
 
 
+def list_places(velocity: FloatArray, normal_load: FloatArray | None = None) -> Observations:
+    """Points at which a law is evaluated: their torques are 1. Both of shape (n,); no velocity is zero."""
+    index = np.arange(len(velocity), dtype=np.intp)
+    return Observations(np.abs(velocity), velocity > 0.0, np.ones_like(velocity), normal_load, index)
+
+
 def observe(velocity: ArrayLike, torque: ArrayLike, normal_load: ArrayLike | None = None) -> Observations:
     """Check friction points and take those in motion.
 

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fricomp.control.settings import CompensationSettings
 from fricomp.laws import DynamicTerm, Parts, Term, TracedPoint, TracedStep, trace_parts, trace_step
-from fricomp.laws.expression import Expression, Number, Symbol, find_symbols
+from fricomp.laws.expression import Expression, Number, Symbol, add_up, find_symbols
 from fricomp.laws.source import compile_python, print_python
 
 __all__ = ["ExtraFormulas", "ExtraTorque", "build_steady", "find_bounds", "trace_extra"]
@@ -70,14 +70,8 @@ def trace_extra(terms: Sequence[Term], period: float | None) -> ExtraFormulas:
                 steps.append(step)
                 parts, dry = step.parts, trace_step(term, against, period).parts.dry
         found.append(parts._replace(dry=dry))
-    dry, drag, held = (_add([getattr(parts, kind) for parts in found]) for kind in ("dry", "drag", "held"))
+    dry, drag, held = (add_up(getattr(parts, kind) for parts in found) for kind in ("dry", "drag", "held"))
     return ExtraFormulas(dry, drag, held, tuple(steps))
-
-
-def _add(parts: Sequence[Any]) -> Expression:
-    given = [part for part in parts if part is not None]
-    total: Expression = sum(given[1:], given[0]) if given else Number(0.0)
-    return total
 
 
 def find_bounds(settings: CompensationSettings) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
+from fricomp.errors import ModelFileError, ParameterError
+from fricomp.extras import needing
 from fricomp.untrusted import read_whole
 
 _GROWING = frozenset(
@@ -53,10 +54,8 @@ def open_graph(path: Path) -> Any:
         MissingExtraError: onnxruntime is not installed.
         ModelFileError: The file holds no friction of one joint.
     """
-    try:
+    with needing("onnxruntime", "onnx"):
         import onnxruntime
-    except ImportError:
-        raise MissingExtraError("onnxruntime", "onnx") from None
     _require_small_graph(path)
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
@@ -81,10 +80,8 @@ def _require_small_graph(path: Path) -> None:
         MissingExtraError: onnx is not installed.
         ModelFileError: It is no ONNX file, is too large, or has a node that makes tensors of any size.
     """
-    try:
+    with needing("onnx", "onnx"):
         import onnx
-    except ImportError:
-        raise MissingExtraError("onnx", "onnx") from None
     try:
         model = onnx.load_model_from_string(read_whole(path))
         grown, is_apart = _growing(model.graph), _is_apart(model.graph)

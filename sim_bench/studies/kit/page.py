@@ -8,7 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fricomp.errors import DiagnosisError, MissingExtraError, OutputError
+from fricomp.errors import DiagnosisError, OutputError
+from fricomp.extras import needing
 from fricomp.report import format_markdown_table
 from fricomp.whole_file import write_whole
 
@@ -87,10 +88,8 @@ def _head(text: str) -> str:
 
 @cache
 def _open_templates() -> Environment:
-    try:
+    with needing("jinja2", "report"):
         from jinja2 import Environment, PackageLoader, StrictUndefined
-    except ImportError as error:
-        raise MissingExtraError("jinja2", "report") from error
     environment = Environment(
         loader=PackageLoader("fricomp.sim_bench.studies", "templates"),
         undefined=StrictUndefined,

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fricomp.errors import MissingExtraError
+from fricomp.extras import needing
 from fricomp.laws import FloatArray
 
 from .comparators import Comparison, build_population_likelihood
@@ -31,10 +31,8 @@ def run_adam(draw: Draw, starts: FloatArray, steps: int) -> list[Comparison]:
     Raises:
         MissingExtraError: torch is not installed.
     """
-    try:
+    with needing("torch", "calibrate"):
         import torch
-    except ImportError:
-        raise MissingExtraError("torch", "calibrate") from None
     torch.manual_seed(0)
     torch.set_num_threads(1)  # matrices of a few hundred rows: more threads mostly wait for each other
     points = draw.points
