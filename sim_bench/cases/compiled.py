@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-from fricomp.extras import needing
+from fricomp.errors import MissingExtraError
 
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 
@@ -17,6 +17,8 @@ def compile_cached(function: _Function) -> _Function:
     Raises:
         MissingExtraError: numba is not installed.
     """
-    with needing("numba", "sim"):
+    try:
         import numba
+    except ImportError as error:  # pragma: no cover - depends on the installation
+        raise MissingExtraError("numba", "sim") from error
     return cast("_Function", numba.njit(cache=True, nogil=True, error_model="numpy")(function))
