@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .friction import FIELDS
+from .friction import FIELDS, PLACE
 from .joints import ArmChange, JointScene, change_joint, draw_friction
 from .links import build_true_arm, compute_torques, read_believed_arm
 from .motion import ArmReference, build_motion
@@ -15,7 +15,6 @@ from .plant import PERIOD, ArmRun, run_arm
 from .spec import JOINTS, ArmSpec
 from .strength import measure_strength
 
-_PLACE = {name: k for k, name in enumerate(FIELDS)}
 _WARMING, _WARM_TIME = (4.0, 15.0), (20.0, 120.0)  # [K], [s]
 _NOISE = 0.03  # of a joint's Coulomb torque: white noise of a current, and most of it again that is slow
 _SLOW = 3.0  # [Hz] below which the slow noise lies
@@ -87,7 +86,7 @@ def generate_arm(spec: ArmSpec) -> ArmCase:
     table = base.copy()
     for joint, _, change in changes:
         for name, value in change.fields.items():
-            table[JOINTS.index(joint), _PLACE[name]] = value
+            table[JOINTS.index(joint), PLACE[name]] = value
     gap = next((change.gap for _, _, change in changes if change.gap is not None), None)
     run = run_arm(model, believed, table, reference, heat, gap)
     delay = float(rngs[4].uniform(0.0, _DELAY))
@@ -139,7 +138,7 @@ def _record_torque(run: ArmRun, changes: list[tuple[str, str, ArmChange]], delay
 
 
 def _draw_noise(rng: np.random.Generator, base: NDArray[np.float64], n: int) -> NDArray[np.float64]:
-    size = _NOISE * 0.5 * (base[:, _PLACE["coulomb_forward"]] + base[:, _PLACE["coulomb_reverse"]])
+    size = _NOISE * 0.5 * (base[:, PLACE["coulomb_forward"]] + base[:, PLACE["coulomb_reverse"]])
     white = rng.standard_normal((n, 6))
     keep = np.exp(-2.0 * np.pi * _SLOW * PERIOD)
     slow, state = np.empty((n, 6)), rng.standard_normal(6)
@@ -156,7 +155,7 @@ def _sense(
     bits = rng.choice(_BITS, 6)
     channels = {}
     for j, name in enumerate(JOINTS):
-        step, count = 2.0 * np.pi / 2.0 ** int(bits[j]), _COUNT * base[j, _PLACE["coulomb_forward"]]
+        step, count = 2.0 * np.pi / 2.0 ** int(bits[j]), _COUNT * base[j, PLACE["coulomb_forward"]]
         warmth = 24.0 + run.heat[:, j] + 0.05 * rng.standard_normal(run.time.size)
         channels[name] = {
             "position": np.round(run.position[:, j] / step) * step,

@@ -36,6 +36,9 @@ FIELDS = (
 )
 """Columns of the table of joints: N·m, rad/s, rad and what follows from them; `warming` is 1/K."""
 
+PLACE = {name: k for k, name in enumerate(FIELDS)}
+"""Column by its name."""
+
 (_CF, _CR, _EX, _VS, _VI, _LC, _LQ, _PC, _PS, _PO, _BR, _DR, _PW, _EN, _ST, _MI, _RI, _RO, _RP, _WA) = range(20)
 _SWEEPS = 60
 _TOLERANCE = 1e-10  # [rad/s] between two sweeps

@@ -6,12 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .friction import FIELDS
+from .friction import FIELDS, PLACE
 from .plant import Gap
 
 _COULOMB = np.array([9.0, 10.0, 6.0, 2.2, 2.0, 1.6])  # [N·m]
 _VISCOUS = np.array([9.0, 9.0, 6.0, 1.8, 1.6, 1.3])  # [N·m·s/rad]
-_PLACE = {name: k for k, name in enumerate(FIELDS)}
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ def draw_friction(rng: np.random.Generator) -> NDArray[np.float64]:
             "viscous": _VISCOUS[j] * np.exp(0.25 * rng.standard_normal()),
         }
         for name, value in values.items():
-            table[j, _PLACE[name]] = value
+            table[j, PLACE[name]] = value
     return table
 
 

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .friction import FIELDS, compute_friction
+from .friction import PLACE, compute_friction
 from .joints import ArmChange
 from .links import compute_torques
 from .plant import PERIOD, ArmRun
 
 _BLOCK = 50  # samples of a row
-_PLACE = {name: k for k, name in enumerate(FIELDS)}
 
 
 def measure_strength(
@@ -44,7 +43,7 @@ def measure_strength(
     s, speed = _average(np.sign(run.velocity[:, joint])), v[:, joint]
     bend = _average(
         np.sign(run.velocity[:, joint])
-        * np.exp(-((run.velocity[:, joint] / base[joint, _PLACE["stribeck_velocity"]]) ** 2))
+        * np.exp(-((run.velocity[:, joint] / base[joint, PLACE["stribeck_velocity"]]) ** 2))
     )
     columns = np.column_stack([s, np.ones_like(s), speed, np.abs(speed), bend, a[:, joint], still, rigid])
     slides = _average((run.velocity[:, joint] == 0.0).astype(np.float64)) == 0.0
@@ -73,13 +72,13 @@ def _compute_effect(
         return np.asarray(change.gain * late - run.torque[:, joint])
     table = base.copy()
     for name, value in change.fields.items():
-        table[joint, _PLACE[name]] = value
+        table[joint, PLACE[name]] = value
     with_it, without = (
         compute_friction(each, run.position, run.velocity, run.load, run.heat)[:, joint] for each in (table, base)
     )
     torque = with_it - without
     if distance := change.fields.get("breakaway"):
-        level = 0.5 * (base[joint, _PLACE["coulomb_forward"]] + base[joint, _PLACE["coulomb_reverse"]])
+        level = 0.5 * (base[joint, PLACE["coulomb_forward"]] + base[joint, PLACE["coulomb_reverse"]])
         torque = torque + level * (_turn(run.position[:, joint], distance) - np.sign(run.velocity[:, joint]))
     return np.asarray(torque)
 

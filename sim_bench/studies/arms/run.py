@@ -5,6 +5,7 @@ from concurrent.futures import Executor
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
+from shutil import rmtree
 
 import msgspec
 
@@ -72,9 +73,7 @@ def _make_row(seed: int, duration: float, out: Path, salt: str) -> Row:
     blind = diagnose_arm_blind(files)
     write_whole(out / _DIAGNOSES / path.name, blind.diagnosis)
     seals.open(arm_id(spec), path.read_bytes())
-    for one in sorted(folder.rglob("*"), reverse=True):  # a seed makes it again
-        one.unlink() if one.is_file() else one.rmdir()
-    folder.rmdir()
+    rmtree(folder)  # a seed makes it again
     return {"seed": seed, "id": arm_id(spec), "score": asdict(score_arm(path.read_bytes(), blind))}
 
 
@@ -95,8 +94,5 @@ def _score_again(out: Path, row: Row) -> ArmScore:
     answer, diagnosis = (out / folder / f"{row['id']}.json" for folder in (_ANSWERS, _DIAGNOSES))
     if not (answer.exists() and diagnosis.exists()):
         return score
-    return score_arm(answer.read_bytes(), _repeat(score, diagnosis.read_bytes()))
-
-
-def _repeat(score: ArmScore, diagnosis: bytes) -> BlindAnswer:
-    return BlindAnswer(diagnosis, b"", score.seconds, score.error, score.processor_seconds)
+    blind = BlindAnswer(diagnosis.read_bytes(), b"", score.seconds, score.error, score.processor_seconds)
+    return score_arm(answer.read_bytes(), blind)

@@ -86,16 +86,15 @@ def measure_motion(time: Samples, position: Samples, torque: Samples, span: floa
     q, v, a = (savgol_filter(position, length, 3, deriv=k, delta=dt) for k in range(3))
     moving = np.abs(_windows(v, time)) > _SLOWEST * compute_rms(v)
     wanted = _windows(torque, time)[moving]
-    best: tuple[float, Samples, Samples, Samples] | None = None
-    for width in np.geomspace(0.03, 1.0, 10) * compute_rms(v):
-        columns = build_joint_columns(q, v, a, float(width))
+
+    def fit(width: float) -> tuple[Samples, Samples, Samples]:
+        columns = build_joint_columns(q, v, a, width)
         rows = _windows(columns, time)[moving]
         solution = np.linalg.lstsq(rows, wanted, rcond=1e-10)[0]
-        cost = compute_rms(wanted - rows @ solution)
-        if best is None or cost < best[0]:
-            best = (cost, rows, columns[:, :N_BODY] @ solution[:N_BODY], wanted - rows @ solution)
-    assert best is not None
-    _, rows, load, left = best
+        return rows, columns[:, :N_BODY] @ solution[:N_BODY], wanted - rows @ solution
+
+    widths = (np.geomspace(0.03, 1.0, 10) * compute_rms(v)).tolist()
+    rows, load, left = min(map(fit, widths), key=lambda fitted: compute_rms(fitted[2]))
     scale = np.linalg.norm(rows, axis=0)
     basis, values, _ = np.linalg.svd(rows[:, scale > 0.0] / scale[scale > 0.0], full_matrices=False)
     kept = basis[:, values > 1e-8 * values[0]]

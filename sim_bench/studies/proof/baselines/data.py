@@ -113,13 +113,8 @@ def load_data(folder: Path) -> BaselineData:
 
 def _fit_stribeck(q: Samples, v: Samples, a: Samples, tau: Samples) -> tuple[float, Samples]:
     """The Stribeck velocity [rad/s] that leaves the least, and its columns."""
-    best = (np.inf, 0.05, np.empty((0, 0)))
-    for width in np.geomspace(0.01, 0.4, 12):
-        columns = build_joint_columns(q, v, a, float(width))
-        left = compute_rms(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
-        if left < best[0]:
-            best = (left, float(width), columns)
-    return best[1], best[2]
+    tried = [(width, build_joint_columns(q, v, a, width)) for width in np.geomspace(0.01, 0.4, 12).tolist()]
+    return min(tried, key=lambda one: compute_rms(tau - one[1] @ np.linalg.lstsq(one[1], tau, rcond=None)[0]))
 
 
 def fit_columns(data: BaselineData, columns: Samples) -> float:
