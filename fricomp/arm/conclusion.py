@@ -26,6 +26,7 @@ from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
 from .rigid.inertia import N_INERTIA
 from .search.frames import find_better_frames, find_torque_scales
 from .search.gear import GearSearch
+from .search.gear_motion import GearMotion
 from .uncertainty.alternatives import SPRING, Alternatives, find_alternatives, list_links_instead
 from .uncertainty.averaging import average_friction, average_links
 from .words.brief import (
@@ -186,7 +187,7 @@ def _describe_effect(
         parameters[TERMS[term].label] = Quantity(values_tried[variant], unit, around, at_bound=at_end)
     if (filled := TERMS[term].filled) in GEARS:  # the factor on it is one
         width, stiffness, _ = found.equations.gears[filled][joint].tolist()
-        low, high = GearSearch(found.rows, found.fit, filled).bound(found.equations, found.fit, joint)
+        low, high = GearSearch(GearMotion(found.rows, found.fit), filled).bound(found.equations, found.fit, joint)
         if filled == "gap":
             parameters = {"gap": Quantity(width, position, (low, high))}
         else:  # below its swing a stiffer gear with a larger factor would do the same

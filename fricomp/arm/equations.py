@@ -32,6 +32,7 @@ from .friction import (
     find_columns,
     list_stribeck_starts,
 )
+from .prior.sizes import TorqueSizes, measure_torques
 from .rigid.simulated_arm import SimulatedArm
 from .row_weights import BoolArray, Weights, weigh_rows
 from .rows import ArmRows
@@ -51,6 +52,7 @@ class ArmEquations:
     """Sums over rows.
 
     Attributes:
+        arm: The simulation.
         columns: Of each joint; torque comes last, its rate before it. Shapes (n, n_columns).
         weights: Of the rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
@@ -63,6 +65,7 @@ class ArmEquations:
             joint's gap, and of its spring; zeros for none. Shapes (n_joints, 3).
     """
 
+    arm: SimulatedArm
     columns: tuple[FloatArray, ...]
     weights: Weights
     top_speed: FloatArray
@@ -75,6 +78,11 @@ class ArmEquations:
     def sums(self) -> FloatArray:
         """G of each joint. Shape (n_joints, n_columns, n_columns)."""
         return _sum_rows(self.columns, self.weights.rows)
+
+    @cached_property
+    def torque_sizes(self) -> TorqueSizes:
+        """What priors are measured in."""
+        return measure_torques(self.arm, self.sums, self.top_speed)
 
     @cached_property
     def counts(self) -> FloatArray:
@@ -91,6 +99,7 @@ class ArmEquations:
         rows = self.weights.rows
         return [
             EquationSums(
+                arm=self.arm,
                 sums=_sum_rows([one[at] for one in self.columns], rows[at]),
                 counts=np.sum(rows[at] > 0.0, axis=0).astype(np.float64),
                 weights=self.weights,
@@ -103,16 +112,23 @@ class ArmEquations:
         """The same over some of the rows. Shape (n,), bool."""
         return replace(self, weights=replace(self.weights, rows=self.weights.rows * kept[:, None]))
 
-    def with_load(self, load: FloatArray) -> ArmEquations:
-        """The same with friction that follows this load [N·m] or [N]. Shape (n, n_joints)."""
-        at = self._friction + column_names().index("coulomb")
-        signs = [one[:, at] for one in self.columns]
-        return self._fill("load", [load_columns(*pair) for pair in zip(load.T, signs, strict=True)])
+    def with_links(self, rows: ArmRows, load: FloatArray, inertia: FloatArray) -> ArmEquations:
+        """The same with friction that follows the load, and what leans with gravity, by what links weigh.
 
-    def with_lean(self, rows: ArmRows, inertia: FloatArray) -> ArmEquations:
-        """The same with what leans with gravity weighing this: ten numbers of each link. Shape (n_links, 10)."""
-        place = np.arange(self._width - N_LAST, self._width - 2)
-        return self._change([place] * len(self.columns), list(np.swapaxes(rows.weigh_lean(inertia), 0, 1)))
+        Args:
+            rows: Motion.
+            load: That links make [N·m] or [N]. Shape (n, n_joints).
+            inertia: Ten numbers of each link. Shape (n_links, 10).
+        """
+        sign, place = self._friction + column_names().index("coulomb"), find_columns("load")
+        places = [*range(self._friction + place.start, self._friction + place.stop), *range(-N_LAST, -2)]
+        leaning = rows.weigh_lean(inertia)
+        values = [
+            np.column_stack([load_columns(load[:, j], one[:, sign]), leaning[:, j]])
+            for j, one in enumerate(self.columns)
+        ]
+        unsummed = replace(self)  # rows are weighed anew by what that leaves, so that no sum stays
+        return unsummed._change([np.array(places) % self._width] * len(values), values)
 
     def with_torque(self, rows: ArmRows) -> ArmEquations:
         """The same motion with the torques of these rows."""
@@ -183,10 +199,10 @@ class ArmEquations:
         return self._change([places] * len(values), values, **fields)
 
     def _change(self, places: Sequence[NDArray[np.intp]], values: Sequence[FloatArray], **fields: Any) -> ArmEquations:
-        """The same with other columns in some places of each joint; sums of the others are taken over."""
+        """The same with other columns in some places of each joint; sums of the others, where known, are taken over."""
         columns = []
         for one, place, value in zip(self.columns, places, values, strict=True):
-            columns.append(one.copy() if place.size else one)
+            columns.append(one.copy(order="K") if place.size else one)
             columns[-1][:, place] = value
         changed = replace(self, columns=tuple(columns), **fields)
         if "sums" in self.__dict__:
@@ -232,16 +248,23 @@ class EquationSums:
     """All that a fit needs of some of the rows.
 
     Attributes:
+        arm: The simulation.
         sums: G of each joint. Shape (n_joints, n_columns, n_columns).
         counts: Rows that count, of each joint. Shape (n_joints,).
         weights: Noise and inflation of all rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
     """
 
+    arm: SimulatedArm
     sums: FloatArray
     counts: FloatArray
     weights: Weights
     top_speed: FloatArray
+
+    @cached_property
+    def torque_sizes(self) -> TorqueSizes:
+        """What priors are measured in."""
+        return measure_torques(self.arm, self.sums, self.top_speed)
 
     @staticmethod
     def join(blocks: Sequence[EquationSums]) -> EquationSums:
@@ -286,7 +309,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     top = np.maximum(np.quantile(speed, 0.99, axis=0), 1e-9)
     n = len(arm.joints)
     first = rows.links.shape[2] + 1
-    columns = np.zeros((n, len(rows), count_columns(first, n)))
+    columns = [np.zeros((len(rows), count_columns(first, n)), order="F") for _ in range(n)]  # changed by the column
     place = find_columns("motion")
     for j, one in enumerate(columns):
         one[:, : first - 1], one[:, first - 1] = rows.links[:, j], acceleration[:, j]
@@ -298,9 +321,9 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     weights, curves, creep = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape)), np.array(CREEP_SPEEDS)
     none = np.zeros((n, creep.size))
     bare = ArmEquations(
-        tuple(columns), weights, top, np.zeros(n), curves, none, {one: np.zeros((n, 3)) for one in GEARS}
+        arm, tuple(columns), weights, top, np.zeros(n), curves, none, {one: np.zeros((n, 3)) for one in GEARS}
     )
-    bare = bare.with_load(load).with_lean(rows, arm.inertia).with_torque(rows)
+    bare = bare.with_links(rows, load, arm.inertia).with_torque(rows)
     if plain:
         return bare
     return bare.with_stribeck(rows, np.array([starts * (one, 1.0) for one in top])).with_creep(

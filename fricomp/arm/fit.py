@@ -15,12 +15,14 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .coordinates import ArmModel, Coordinates, Linearised, measure_sizes
+from .coordinates import ArmModel, place_parameters
 from .equations import N_LAST, ArmEquations, EquationSums
 from .prior import ArmPrior
+from .prior.sizes import PriorSizes
 from .rigid.inertia import N_INERTIA
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
+from .squares import Linearised, WeightedSquares
 
 Z95 = 1.96
 """Standard deviations of a 95 % interval to each side."""
@@ -95,7 +97,7 @@ class ArmFit:
 
     def predict(self, equations: ArmEquations) -> tuple[FloatArray, FloatArray]:
         """Torque of links and rotors, and that of friction, at the rows [N·m]. Shapes (n, n_joints)."""
-        z = Coordinates(self.arm, self.model).expand(self.x)[:, :-2]
+        z = place_parameters(self.arm, self.model).expand(self.x)[:, :-2]
         first = N_INERTIA * len(self.arm.links) + 1
         parts = [
             (
@@ -138,10 +140,10 @@ def fit_arm(
         start: A fit of another model to begin with.
         steps: Most Gauss-Newton steps; two tell how good a model is that differs from `start` by one term.
     """
-    coordinates = Coordinates(arm, model)
-    mean, deviation = coordinates.place_prior(measure_sizes(arm, equations, prior), prior)
+    coordinates = place_parameters(arm, model)
+    mean, deviation = coordinates.place_prior(PriorSizes.of(equations.torque_sizes, prior), prior)
     x = mean.copy() if start is None else coordinates.take_over(start.model, start.x, mean)
-    x, seen = _descend(coordinates, equations, x, (mean, deviation), steps)
+    x, seen = _descend(WeightedSquares(coordinates, equations), x, (mean, deviation), steps)
     scaled = seen.curvature * np.outer(deviation, deviation) + np.eye(x.size)
     weights = equations.weights
     penalty = float(np.sum(((x - mean) / deviation) ** 2))
@@ -167,13 +169,12 @@ def measure_pulls(fit: ArmFit, stretches: Sequence[EquationSums]) -> list[tuple[
     Returns:
         Half the curvature and half the downward slope of the weighted squares of each. Shapes (n, n) and (n,).
     """
-    coordinates = Coordinates(fit.arm, fit.model)
-    return [coordinates.linearise(one, fit.x)[:2] for one in stretches]
+    coordinates = place_parameters(fit.arm, fit.model)
+    return [WeightedSquares(coordinates, one).linearise(fit.x)[:2] for one in stretches]
 
 
 def _descend(
-    coordinates: Coordinates,
-    equations: ArmEquations | EquationSums,
+    squares: WeightedSquares,
     x: FloatArray,
     prior: tuple[FloatArray, FloatArray],
     steps: int,
@@ -184,7 +185,7 @@ def _descend(
     def judge(there: FloatArray, cost: float) -> float:
         return cost + float(np.sum(((there - mean) / deviation) ** 2))
 
-    seen = coordinates.linearise(equations, x)
+    seen = squares.linearise(x)
     value = judge(x, seen.cost)
     for _ in range(steps):
         scaled = seen.curvature * np.outer(deviation, deviation) + np.eye(x.size)
@@ -196,13 +197,13 @@ def _descend(
         there, best = x, value
         for part in _PARTS:
             there = x + part * step
-            best = judge(there, coordinates.measure_cost(equations, there))
+            best = judge(there, squares.measure(there))
             if best < value:
                 break
         if not best < value:
             break
         x, fall, value = there, value - best, best
-        seen = coordinates.linearise(equations, x)
+        seen = squares.linearise(x)
         if fall <= _CONVERGED * abs(value):
             break
     return x, seen

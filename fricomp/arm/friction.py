@@ -21,6 +21,7 @@ with s = sign v, τ_l the torque that the joint transmits, M the mass matrix and
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Literal
@@ -222,6 +223,14 @@ class JointForm:
         """This form without a term, and without what mends the form of it."""
         mends = {other for other in self.names if self.find_head(other) == name}
         return JointForm(tuple(term for term in self.terms if term[0] != name and term[0] not in mends))
+
+    def keep_terms(self, terms: Collection[tuple[str, int]]) -> JointForm:
+        """What this form has in common with some terms."""
+        return JointForm(tuple(one for one in self.terms if one in terms))
+
+    def drop_columns(self, less: JointForm) -> tuple[str, ...]:
+        """Parameters that this form has beyond another one."""
+        return () if self == less else tuple(name for name in self.columns if name not in less.columns)
 
     @property
     def names(self) -> tuple[str, ...]:

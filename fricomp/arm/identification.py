@@ -30,6 +30,8 @@ from .robust_fit import fit_robustly
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
 from .search.gear import YIELDING_GEAR, GearSearch
+from .search.gear_motion import GearMotion
+from .search.judge import JointJudges
 from .search.proposal import propose_models
 from .search.ripple import propose_ripples
 from .search.shared_delay import SharedDelay, share_delays
@@ -209,11 +211,14 @@ class ArmSearch:
     ) -> tuple[ArmModel, ArmFit, ArmEquations]:
         """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
         fit, equations = fit_robustly(self.arm, rows, equations, model, self.prior)
-        searches = [GearSearch(rows, fit, filled) for filled in GEARS]
+        motion = GearMotion(rows, fit)
+        searches = [GearSearch(motion, filled) for filled in GEARS]
         while True:
             equations = propose_ripples(rows, equations, fit)
+            judges = JointJudges(equations, fit)
             for gears in searches:
-                equations = gears.propose(equations, fit, self.prior)
+                judges = JointJudges(equations, fit) if fit.model.geared else judges
+                equations = gears.propose(equations, fit, self.prior, judges)
             tried = _try_out(rows, equations, fit, self.prior, self.trials, self.barred)
             gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
             self.trials |= gains  # of the best variant of each
@@ -225,7 +230,7 @@ class ArmSearch:
             chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
             fit, equations = fit_robustly(self.arm, rows, equations, chosen.model, self.prior, chosen)
             if alike[0].endswith(f": {YIELDING_GEAR}"):  # until then links made up for it, and what bends it
-                searches[GEARS.index("spring")] = GearSearch(rows, fit, "spring")
+                searches[GEARS.index("spring")] = GearSearch(GearMotion(rows, fit), "spring")
 
 
 def _try_out(

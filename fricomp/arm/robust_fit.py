@@ -41,7 +41,7 @@ def fit_robustly(
     """
     fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
-        fresh = equations.with_load(fit.compute_load(rows)).with_lean(rows, fit.inertia)
+        fresh = equations.with_links(rows, fit.compute_load(rows), fit.inertia)
         equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
         fit = fit_arm(arm, equations, model, prior, fit)
     fit, equations = refine_ripples(rows, equations, fit, prior)

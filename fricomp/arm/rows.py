@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from fricomp.laws import FloatArray
 
@@ -34,6 +34,9 @@ _COLUMN_RATE = 10.0
 
 _ROW_RATE = 4.0
 """Rate of the rows, in the cutoff: closer ones say the same again."""
+
+_EDGE = 3
+"""Samples for each coefficient of a filter by which both ends are lengthened before it runs."""
 
 _NYQUIST_SHARE = 0.4
 """Highest cutoff of the smoothing, as part of the sample rate."""
@@ -228,10 +231,21 @@ def _advance(part: ArmPart, delay: float) -> FloatArray:
 
 
 def _filter(columns: FloatArray, cutoff: float, rate: float) -> FloatArray:
-    return np.asarray(sosfiltfilt(_design_filter(cutoff, rate), columns, axis=0))
+    """Columns through a low-pass forwards and back, both ends turned over a point beyond them: as scipy's
+    `sosfiltfilt`, which looks for the state at rest anew each time."""
+    sections, rest = _design_filter(cutoff, rate)
+    edge = _EDGE * (2 * len(sections) + 1)
+    samples = columns.reshape(len(columns), -1).T
+    first, last = samples[:, :1], samples[:, -1:]
+    padded = np.hstack([2.0 * first - samples[:, edge:0:-1], samples, 2.0 * last - samples[:, -2 : -edge - 2 : -1]])
+    for _ in range(2):
+        padded = sosfilt(sections, padded, zi=rest * padded[:, :1])[0][:, ::-1]
+    return np.asarray(padded[:, edge:-edge].T.reshape(columns.shape))
 
 
 @cache
-def _design_filter(cutoff: float, rate: float) -> FloatArray:
-    """Sections of the low-pass; a design takes longer than a column's way through it."""
-    return np.asarray(butter(_ORDER, cutoff, fs=rate, output="sos"))
+def _design_filter(cutoff: float, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Sections of the low-pass, and their state where it has met one for ever; a design takes longer than a column's
+    way through it. Shapes (n_sections, 6) and (n_sections, 1, 2)."""
+    sections = butter(_ORDER, cutoff, fs=rate, output="sos")
+    return np.asarray(sections), np.asarray(sosfilt_zi(sections))[:, None, :]

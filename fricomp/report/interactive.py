@@ -61,6 +61,7 @@ def draw_interactive(chart: Chart) -> str:
         place = {"row": number // chart.columns + 1, "col": number % chart.columns + 1}
         _draw_panel(figure, panel, place, number, shown)
     drawn = figure.to_dict()
+    drawn["layout"]["shapes"] = [rule for number, panel in enumerate(chart.panels) for rule in _rules(panel, number)]
     _dress(drawn["layout"], chart, height, lines)
     html: str = to_html(
         drawn,
@@ -127,10 +128,19 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
                 trace["showlegend"] = trace["showlegend"] and (trace["name"], color) not in shown
             figure.add_trace(trace, **place)
         shown.add((getattr(mark, "label", ""), color))
+
+
+def _rules(panel: Panel, number: int) -> list[dict[str, Any]]:
+    """Lines across a panel. As plain dictionaries, since plotly looks through all of a figure for each that it adds."""
+    along = {axis: _axis(axis, number) for axis in ("x", "y")}
+    rules = []
+    for mark, color in zip(panel.marks, panel.colors(), strict=True):
         if isinstance(mark, Rule):
-            draw = figure.add_vline if mark.axis == "x" else figure.add_hline
-            at = {mark.axis: mark.at}
-            draw(**at, line={"color": color, "width": 1.2, "dash": "dash"}, **place)
+            other = "y" if mark.axis == "x" else "x"
+            ends = {f"{mark.axis}0": mark.at, f"{mark.axis}1": mark.at, f"{other}0": 0, f"{other}1": 1}
+            refs = {f"{mark.axis}ref": along[mark.axis], f"{other}ref": f"{along[other]} domain"}
+            rules.append({"type": "line", "line": {"color": color, "width": 1.2, "dash": "dash"}, **ends, **refs})
+    return rules
 
 
 def _axis_look(panel: Panel, axis: str) -> dict[str, Any]:

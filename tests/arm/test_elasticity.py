@@ -14,7 +14,8 @@ from fricomp.arm.confirmation import without_term
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.identification import ArmIdentification, identify_arm, identify_without
 from fricomp.arm.rigid.regressor import compute_gradients, compute_regressor
-from fricomp.arm.search.gear import Gear, swings
+from fricomp.arm.search.gear import swings
+from fricomp.arm.search.gear_motion import Gear
 
 from .moving_arm import bend_gear, record_arm, write_arm
 from .test_examination import follow_load, names_of

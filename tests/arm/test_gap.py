@@ -17,7 +17,8 @@ from fricomp.arm.coordinates import ArmModel, Coordinates
 from fricomp.arm.fit import ArmFit
 from fricomp.arm.friction import PLAIN, JointForm
 from fricomp.arm.physics import is_physical
-from fricomp.arm.search.gear import Gear, GearSearch
+from fricomp.arm.search.gear_motion import Gear, GearMotion
+from fricomp.arm.squares import WeightedSquares
 from fricomp.laws import FloatArray
 from fricomp.sim_bench.cases.arm import ArmSpec, generate_arm, write_arm_case
 
@@ -60,11 +61,12 @@ def test_slopes_of_gaps_are_those_of_the_squares(healthy: ArmExamination) -> Non
     model = ArmModel(tuple(JointForm((("backlash", 0),)) for _ in range(3)))
     coordinates = Coordinates(found.fit.arm, model)
     x = coordinates.take_over(found.fit.model, found.fit.x, np.zeros(coordinates.size))
-    seen = coordinates.linearise(equations, x)
+    squares = WeightedSquares(coordinates, equations)
+    seen = squares.linearise(x)
     for place in coordinates.places:
         step = np.zeros_like(x)
         step[place.stop - 1] = 1e-3
-        there, back = (coordinates.measure_cost(equations, x + sign * step) for sign in (1.0, -1.0))
+        there, back = (squares.measure(x + sign * step) for sign in (1.0, -1.0))
         assert seen.pull[place.stop - 1] == pytest.approx(-(there - back) / 4e-3, rel=1e-5)
         assert seen.curvature[place.stop - 1, place.stop - 1] == pytest.approx(
             (there + back - 2.0 * seen.cost) / 2e-6, rel=1e-4
@@ -117,8 +119,8 @@ def test_a_gap_is_named_with_its_width(tmp_path: Path) -> None:
 def test_a_gear_that_cannot_be_simulated_explains_nothing(healthy: ArmExamination) -> None:
     """At ten times its critical damping the steps of the simulation grow without end, which was an overflow."""
     found = healthy.answer.identification
-    search = GearSearch(found.rows, found.fit, "gap")
+    motion = GearMotion(found.rows, found.fit)
     inertia = 0.5
     stiff, damped = Gear(1e-3, inertia * 240.0**2, 20.0 * inertia * 240.0), Gear(1e-3, inertia * 240.0**2, 20.0)
-    assert np.all(search._follow(0, stiff) == 0.0)
-    assert np.any(search._follow(0, damped) != 0.0)
+    assert np.all(motion.spread(0, stiff) == 0.0)
+    assert np.any(motion.spread(0, damped) != 0.0)

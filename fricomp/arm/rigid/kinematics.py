@@ -70,15 +70,15 @@ class BodyMotion:
         if column.anchor is None:
             return self.in_own_axes(column.axis), none
         return (
-            self.in_own_axes(np.cross(column.axis, self.place - column.anchor)),
+            self.in_own_axes(_cross(column.axis, self.place - column.anchor)),
             self.in_own_axes(column.axis),
         )
 
     def carry(self, arm: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Velocity and acceleration of a point that the body carries, an arm away from its origin [m]."""
         w = self.angular_velocity
-        spin = np.cross(w, arm)
-        return self.velocity + spin, self.acceleration + np.cross(self.angular_acceleration, arm) + np.cross(w, spin)
+        spin = _cross(w, arm)
+        return self.velocity + spin, self.acceleration + _cross(self.angular_acceleration, arm) + _cross(w, spin)
 
 
 def move_bodies(
@@ -146,7 +146,7 @@ def _hinge(
         angular_velocity=there.angular_velocity + spin,
         angular_acceleration=there.angular_acceleration
         + z * moving.acceleration[:, None]
-        + np.cross(there.angular_velocity, spin),
+        + _cross(there.angular_velocity, spin),
         _columns=(*there._columns, _Column(number, z, there.place)),
     )
     return _shift(there, -(there.turn @ anchor))
@@ -160,7 +160,7 @@ def _slide(motion: BodyMotion, number: int, axis: FloatArray, way: FloatArray, m
         there,
         velocity=there.velocity + speed,
         acceleration=there.acceleration
-        + 2.0 * np.cross(there.angular_velocity, speed)
+        + 2.0 * _cross(there.angular_velocity, speed)
         + z * moving.acceleration[:, None],
         _columns=(*there._columns, _Column(number, z, None)),
     )
@@ -184,3 +184,10 @@ def _rotate_quaternion(quaternion: FloatArray) -> FloatArray:
             [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
         ]
     )
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """a x b, row by row: a third of the time of numpy's, which is for any shapes. Shapes (n, 3)."""
+    x, y, z = a.T
+    u, v, w = b.T
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)

@@ -50,7 +50,8 @@ def compute_regressor(
     Returns:
         Shape (n, n_joints, 10 n_links); times `arm.inertia.ravel()` it is the torque [N·m] or [N], rotors left out.
     """
-    return compute_regressors(arm, position, velocity, acceleration).links
+    links = arm.follow(position, velocity, acceleration)
+    return np.concatenate([_weigh_torque(link) for link in links], axis=2)
 
 
 def compute_regressors(
@@ -82,14 +83,12 @@ def compute_mass_matrices(arm: SimulatedArm, position: FloatArray, inertia: Floa
     Returns:
         Shape (n, n_joints, n_joints).
     """
-    still, weights = np.zeros_like(position), inertia.ravel()
-    at_rest = compute_regressor(arm, position, still, still) @ weights
-    columns = []
-    for j in range(position.shape[1]):
-        one = still.copy()
-        one[:, j] = 1.0
-        columns.append(compute_regressor(arm, position, still, one) @ weights - at_rest)
-    return np.stack(columns, axis=2)
+    n, count = position.shape
+    steps = np.vstack([np.zeros(count), np.eye(count)])
+    each = np.repeat(steps, n, axis=0)  # all at once: a call costs more than its rows
+    torque = compute_regressor(arm, np.tile(position, (count + 1, 1)), np.zeros_like(each), each) @ inertia.ravel()
+    at_rest, *moved = torque.reshape(count + 1, n, count)
+    return np.stack(moved, axis=2) - at_rest[:, :, None]
 
 
 def compute_gradients(
@@ -107,13 +106,12 @@ def compute_gradients(
     Returns:
         Of joint i by the position of joint j. Shape (n, n_joints, n_joints).
     """
-    columns, weights = [], inertia.ravel()
-    for step in _STEP * np.eye(position.shape[1]):
-        there, back = (
-            compute_regressor(arm, position + way * step, velocity, acceleration) @ weights for way in (1.0, -1.0)
-        )
-        columns.append((there - back) / (2.0 * _STEP))
-    return np.stack(columns, axis=2)
+    n, count = position.shape
+    steps = _STEP * np.vstack([np.eye(count), -np.eye(count)])
+    motion = (np.tile(one, (2 * count, 1)) for one in (position, velocity, acceleration))
+    there = next(motion) + np.repeat(steps, n, axis=0)
+    torque = (compute_regressor(arm, there, *motion) @ inertia.ravel()).reshape(2, count, n, count)
+    return np.moveaxis(torque[0] - torque[1], 0, 2) / (2.0 * _STEP)
 
 
 def _weigh_torque(link: LinkMotion) -> FloatArray:

@@ -57,7 +57,7 @@ class Follower:
     path: Polynomial
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SimulatedArm:
     """Kinematics and inertia of an arm.
 

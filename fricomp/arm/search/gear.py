@@ -15,9 +15,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, compute_twist
 from fricomp.laws import FloatArray
 
 from ..equations import ArmEquations
@@ -25,9 +23,8 @@ from ..fit import ArmFit
 from ..friction import TERMS, Filled
 from ..glance import Glance
 from ..prior import ArmPrior
-from ..rigid.regressor import compute_gradients, compute_mass_matrices
-from ..rows import ArmRows
-from .judge import JointJudge
+from .gear_motion import Gear, GearMotion
+from .judge import JointJudge, JointJudges
 
 YIELDING_GEAR = "joint_elasticity"
 """Name of the term of a gear that gives way."""
@@ -64,31 +61,6 @@ _HALF_CHI_SQUARE, _STEP, _WIDEST = 1.92, 1.02, 2.0
 
 _TEETH_POWER = 0.5
 """Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
-
-_FARTHEST = 1.0
-"""[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate
-of a recording, and such a gear explains nothing."""
-
-_UNKNOWN = 1.0
-"""[s] from the start of a part in which nothing is said: on which side of a gap a load began, and how it swung, is gone
-by then."""
-
-_MASS_RATE = 8
-"""Rows for each mass matrix: it changes as slowly as the joints turn."""
-
-
-class Gear(NamedTuple):
-    """A gear.
-
-    Attributes:
-        width: Whole free travel [rad].
-        stiffness: Of teeth that touch [N·m/rad].
-        damping: Of the same [N·m·s/rad].
-    """
-
-    width: float
-    stiffness: float
-    damping: float
 
 
 @dataclass(frozen=True)
@@ -132,30 +104,19 @@ class _Tried(NamedTuple):
 class GearSearch:
     """Looks for gears of one kind in what fits leave of the torques.
 
-    What gears of all kinds would change is computed once, for it hangs on the motion and the links alone.
-
     Args:
-        rows: Motion.
-        fit: Of links that are near enough.
+        motion: Of all joints.
         filled: Whether gears with a gap are looked for, or those that give way.
     """
 
-    def __init__(self, rows: ArmRows, fit: ArmFit, filled: Filled) -> None:
-        self._rows, self._filled, self._kind = rows, filled, _KINDS[filled]
-        sparse = np.unique(np.append(np.arange(0, len(rows), _MASS_RATE), len(rows) - 1))
-        motion = rows.compare(lambda *motion: np.stack(motion, axis=1))
-        position, velocity, acceleration = np.moveaxis(motion[sparse], 1, 0)
-        mass = compute_mass_matrices(fit.arm, position, fit.inertia)
-        gradient = compute_gradients(fit.arm, position, velocity, acceleration, fit.inertia)
-        every = np.arange(len(rows))
-        self._mass, self._gradient = (_interpolate(every, sparse, one) for one in (mass, gradient))
-        self._load, self._acceleration = fit.compute_load(rows), motion[:, 2]
-        turns = np.sum(np.diff(np.sign(self._load), axis=0) != 0, axis=0)
-        self._joints = [j for j, rotary in enumerate(fit.arm.rotary) if rotary and turns[j] >= self._kind.turns]
+    def __init__(self, motion: GearMotion, filled: Filled) -> None:
+        self._motion, self._filled, self._kind = motion, filled, _KINDS[filled]
+        turns = np.sum(np.diff(np.sign(motion.load), axis=0) != 0, axis=0)
+        self._joints = [j for j, rotary in enumerate(motion.rotary) if rotary and turns[j] >= self._kind.turns]
         self._starts: dict[int, tuple[list[Gear], FloatArray]] = {}
         self._settled: dict[int, Gear] = {}  # as the last fit asked for them; another term moves them little
 
-    def propose(self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmEquations:
+    def propose(self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, judge: JointJudges) -> ArmEquations:
         """The equations with a gear in the columns of each joint: that which explains most of what is left of it.
 
         That of the joint in which one explains most is refined, and so are those that the fit has already.
@@ -164,16 +125,17 @@ class GearSearch:
             equations: Of these rows.
             fit: Of these equations.
             prior: How far the simulation is trusted.
+            judge: Of what the fit leaves of each joint.
         """
-        left, name = fit.residuals(equations), self._kind.term
-        judges = {j: JointJudge(equations, fit, j, left[:, j], term=name) for j in self._joints}
+        name = self._kind.term
         has = {j for j in self._joints if name in fit.model.forms[j].names}
+        judges = {j: judge.get(j, name if j in has else None) for j in self._joints}
         found = {j: one for j in self._joints if j not in has and (one := self._choose(judges[j], j)).gain > 0.0}
         known = {j: _Tried(Gear(*equations.gears[self._filled][j].tolist()), 1.0) for j in has}
         if self._kind.spread < np.inf:
             new = found.keys() - self._settled.keys()
             settled = self._settle(equations, fit, prior, found | known, _ROUNDS if new else _FEWER)
-            inertia = np.median(np.diagonal(self._mass, axis1=1, axis2=2), axis=0)
+            inertia = self._motion.inertia
             gears = {j: one for j, one in settled.items() if j in has or swings(one.gear, float(inertia[j]))}
             return self._fill(equations, gears)
         first = max(found, key=lambda j: found[j].gain, default=None)
@@ -189,11 +151,11 @@ class GearSearch:
 
     def _fill(self, equations: ArmEquations, found: Mapping[int, _Tried]) -> ArmEquations:
         n = len(equations.columns)
-        gears, torques = np.zeros((n, 3)), np.zeros((len(self._rows), n, n))
+        gears, torques = np.zeros((n, 3)), np.zeros((*self._motion.load.shape, n))
         for j, one in found.items():
             if one.gain > 0.0:
                 gears[j] = one.gear
-                torques[:, :, j] = self._spread(j, one.gear)
+                torques[:, :, j] = self._motion.spread(j, one.gear)
         return equations.with_gears(self._filled, gears, torques)
 
     def _settle(
@@ -255,8 +217,8 @@ class GearSearch:
         return best
 
     def _measure(self, judge: JointJudge, joint: int, gear: Gear) -> _Tried:
-        own = self._spread(joint, gear)[:, joint]
-        return _Tried(gear, float(judge.measure_gains(own[:, None], self._kind.spread)[0]))
+        own = self._motion.change_own(joint, [gear])
+        return _Tried(gear, float(judge.measure_gains(own, self._kind.spread)[0]))
 
     def bound(self, equations: ArmEquations, fit: ArmFit, joint: int) -> tuple[float, float]:
         """Width or stiffness on both sides of that of a gear, at which it explains less by what its interval allows.
@@ -286,33 +248,10 @@ class GearSearch:
     def _build_starts(self, joint: int) -> tuple[list[Gear], FloatArray]:
         """Gears to start from, and what each changes in its joint [N·m]. Shape (n, n_gears)."""
         if joint not in self._starts:
-            inertia = float(np.median(self._mass[:, joint, joint]))
+            inertia = float(self._motion.inertia[joint])
             gears = [_build_gear(inertia, *start, _DAMPING) for start in self._kind.starts]
-            self._starts[joint] = gears, np.stack([self._spread(joint, one)[:, joint] for one in gears], axis=1)
+            self._starts[joint] = gears, self._motion.change_own(joint, gears)
         return self._starts[joint]
-
-    def _spread(self, joint: int, gear: Gear) -> FloatArray:
-        """Torques of all joints by how the link of one moves otherwise than its motor [N·m]. Shape (n, n_joints)."""
-        twist, curvature = self._follow(joint, gear).T
-        moved = self._mass[:, :, joint] * curvature[:, None] + self._gradient[:, :, joint] * twist[:, None]
-        return np.asarray(-moved)
-
-    def _follow(self, joint: int, gear: Gear) -> FloatArray:
-        """What the motor leads the link by at the rows [rad], and its second derivative [rad/s²]. Shape (n, 2)."""
-        inertia, rows = self._mass[:, joint, joint], self._rows
-        rest, gradient = self._load[:, joint] - inertia * self._acceleration[:, joint], self._gradient[:, joint, joint]
-        coupling = Coupling(float(np.median(inertia)), gear.stiffness, gear.damping, 0.5 * gear.width)
-        twists = []
-        for k, ((position, _, __), (time, period)) in enumerate(zip(rows.motion, rows.clocks, strict=True)):
-            here = rows.part == k
-            load = CarriedLoad(*(np.interp(time, rows.time[here], one[here]) for one in (inertia, rest, gradient)))
-            twist = compute_twist(np.ascontiguousarray(position[:, joint]), period, load, coupling)
-            if not np.all(np.abs(twist) < _FARTHEST):  # nor where it is no number
-                return np.zeros((len(rows), 2))
-            curvature = np.gradient(np.gradient(twist, period), period)
-            curvature[time < time[0] + _UNKNOWN] = 0.0
-            twists.append(np.stack([twist, curvature], axis=1))
-        return rows.compare_samples(twists)
 
 
 def swings(gear: Gear, inertia: float) -> bool:
@@ -338,10 +277,3 @@ def _list_factors(names: Sequence[str], power: float) -> Iterator[tuple[str, flo
     """Numbers of a gear, each with the factors by which it is moved: the first steps to a power."""
     for name in names:
         yield from ((name, _FIRST_STEPS[name] ** way) for way in (power, -power))
-
-
-def _interpolate(at: NDArray[np.intp], known: NDArray[np.intp], values: FloatArray) -> FloatArray:
-    """Linear between rows that are known. Shapes (n,), (m,) and (m, n_joints, n_joints)."""
-    after = np.clip(np.searchsorted(known, at), 1, len(known) - 1)
-    part = ((at - known[after - 1]) / (known[after] - known[after - 1]))[:, None, None]
-    return np.asarray((1.0 - part) * values[after - 1] + part * values[after])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from fricomp.laws import FloatArray
 
-from ..coordinates import Coordinates
+from ..coordinates import place_parameters
 from ..equations import N_LAST, ArmEquations
 from ..fit import ArmFit
 from ..friction import TERMS
@@ -56,7 +57,7 @@ class JointJudge:
         term: str | None = None,
         delay: bool = True,
     ) -> None:
-        coordinates, columns = Coordinates(fit.arm, fit.model), equations.columns[joint]
+        coordinates, columns = place_parameters(fit.arm, fit.model), equations.columns[joint]
         own = coordinates.columns[joint]
         form = dict(fit.model.forms[joint].terms)
         if term in form:
@@ -96,3 +97,16 @@ class JointJudge:
 
     def _take_off(self, columns: FloatArray) -> FloatArray:
         return np.asarray(columns - self._base @ (self._base.T @ columns))
+
+
+class JointJudges:
+    """The judges of all joints by one fit, each made once.
+
+    Args:
+        equations: Of all joints.
+        fit: Of these equations.
+    """
+
+    def __init__(self, equations: ArmEquations, fit: ArmFit) -> None:
+        left = fit.residuals(equations)
+        self.get = cache(lambda joint, term: JointJudge(equations, fit, joint, left[:, joint], term=term))

@@ -18,12 +18,13 @@ from ..arm_recording import ArmRecording
 from ..coordinates import ArmModel
 from ..equations import ArmEquations, build_equations
 from ..fit import ArmFit, fit_arm
-from ..friction import GEARS, TERMS
+from ..friction import GEARS
 from ..prior import ArmPrior
 from ..rigid.simulated_arm import SimulatedArm
 from ..robust_fit import fit_robustly
 from ..rows import ArmRows, build_rows
 from ..search.gear import GearSearch
+from ..search.gear_motion import GearMotion
 
 _CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """[Hz] that are tried."""
@@ -104,7 +105,7 @@ def choose_again(
     """
     if not np.any(equations.weights.noise < _FELL * noise):
         return None
-    geared = any(TERMS[name].filled in GEARS for form in fit.model.forms for name in form.names)
+    geared = fit.model.geared
     most = _MOST_OF_RATE / recording.period
     others = [one for one in _CUTOFFS if (one < rows.cutoff if geared else rows.cutoff < one <= most)]
     looks: list[_Look] = []
@@ -113,8 +114,8 @@ def choose_again(
         if looks and len(fresh) < 3 * len(fit.arm.joints):
             continue
         bare = build_equations(fit.arm, fresh, fit.compute_load(fresh)).with_ripple(fresh, equations.ripple)
-        for filled in GEARS:
-            bare = GearSearch(fresh, fit, filled).build(bare, equations.gears[filled]) if geared else bare
+        for filled in GEARS if geared else ():
+            bare = GearSearch(GearMotion(fresh, fit), filled).build(bare, equations.gears[filled])
         looks.append(_look(fit.arm, fresh, bare, fit.model, prior))
     best = min(looks, key=lambda one: one.volume, default=None)
     least = 0.0 if geared else _CLEARLY  # the name of a gear hangs on it

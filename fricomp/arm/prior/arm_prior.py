@@ -1,4 +1,4 @@
-"""How far the simulation of an arm, and the friction of its joints, are trusted before anything was recorded."""
+"""Standard deviations that a recording is met with."""
 
 from __future__ import annotations
 
