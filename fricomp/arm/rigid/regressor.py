@@ -111,7 +111,7 @@ def compute_gradients(
     motion = (np.tile(one, (2 * count, 1)) for one in (position, velocity, acceleration))
     there = next(motion) + np.repeat(steps, n, axis=0)
     torque = (compute_regressor(arm, there, *motion) @ inertia.ravel()).reshape(2, count, n, count)
-    return np.moveaxis(torque[0] - torque[1], 0, 2) / (2.0 * _STEP)
+    return np.asarray(np.moveaxis(torque[0] - torque[1], 0, 2) / (2.0 * _STEP))
 
 
 def _weigh_torque(link: LinkMotion) -> FloatArray:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..coordinates import ArmModel
-from ..friction import TERMS, JointForm
+from ..friction import CREEP, TERMS, JointForm, JointTerm
 from ..rigid.simulated_arm import SimulatedArm
 from .stribeck import hold_curve
 
@@ -14,7 +14,7 @@ from .stribeck import hold_curve
 def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
     """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
     for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
-        for term in (one for one in TERMS.values() if arm.rotary[j] or one.on_slides is not None):
+        for term in (one for one in TERMS.values() if _suits(one, form, rotary=arm.rotary[j])):
             for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
                 other = _with_form(model, j, form.with_term(term.name, variant))
                 other = hold_curve(other, j) if term.filled == "stribeck" else other
@@ -28,6 +28,16 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
         yield "gravity leans over", replace(model, tilted=True)
     if not model.gain:
         yield "all torques have a gain", replace(model, gain=True)
+
+
+def _suits(term: JointTerm, form: JointForm, *, rotary: bool) -> bool:
+    """Whether a term may act beside others in a joint that turns, or slides.
+
+    Friction that creeps is ahead of its joint by a time of its own. Beside a delay of the joint it would take friction's
+    part of that, and leave a delay of the links alone, which is none.
+    """
+    timed = term.name == CREEP and any(TERMS[name].filled == "delay" for name in form.names)
+    return not timed and (rotary or term.on_slides is not None)
 
 
 def _with_form(model: ArmModel, joint: int, form: JointForm) -> ArmModel:
