@@ -18,12 +18,12 @@ from .friction import TERMS
 from .glance import Glance
 from .identification import ArmIdentification
 from .matter import LEAST_MATTER
-from .own_delay import find_own_delay
 from .physics import is_whole
 from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .search.stribeck import hold_curve, suit_curve
+from .timing.own_delay import measure_own_delay
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -196,7 +196,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, heads[key])}
         if not weak:
             final = replace(found, fit=widened, equations=equations)
-            delays = tuple(find_own_delay(final, j) for j in range(len(arm.joints)))
+            delays = tuple(measure_own_delay(rows, equations, widened, prior, j) for j in range(len(arm.joints)))
             return ArmAnswer(final, evidence, errors, delays)
         less = fit.model
         for joint, term in _choose_weakest(weak):

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from fricomp.laws import FloatArray
 
 from .coordinates import ArmModel
-from .equations import ArmEquations, EquationSums
+from .equation_sums import EquationSums
+from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
 from .friction import PLAIN, JointForm
 from .prior import ArmPrior

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from fricomp.laws import FloatArray
 
 from .columns import creep_columns, friction_columns, load_columns, plain_columns, ripple_columns, stribeck_columns
+from .equation_sums import EquationSums
 from .friction import (
     CREEP_SPEEDS,
     GEARS,
@@ -56,6 +57,8 @@ class ArmEquations:
         columns: Of each joint; torque comes last, its rate before it. Shapes (n, n_columns).
         weights: Of the rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
+        own_delays: By how much later than all the torque of each joint is taken to be, where its own delay is linear
+            about that [s]. Shape (n_joints,).
         ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
         stribeck: Stribeck velocities [rad/s] or [m/s] and exponents in the columns of each joint. Shape (n_joints,
             n_variants, 2).
@@ -69,6 +72,7 @@ class ArmEquations:
     columns: tuple[FloatArray, ...]
     weights: Weights
     top_speed: FloatArray
+    own_delays: FloatArray
     ripple: FloatArray
     stribeck: FloatArray
     creep: FloatArray
@@ -130,12 +134,20 @@ class ArmEquations:
         unsummed = replace(self)  # rows are weighed anew by what that leaves, so that no sum stays
         return unsummed._change([np.array(places) % self._width] * len(values), values)
 
-    def with_torque(self, rows: ArmRows) -> ArmEquations:
-        """The same motion with the torques of these rows."""
+    def with_torque(self, rows: ArmRows, own: FloatArray | None = None) -> ArmEquations:
+        """The same motion with the torques of these rows.
+
+        Args:
+            rows: Motion and torques.
+            own: Times about which the delay of each joint is linear, in place of those that it has [s]. Shape
+                (n_joints,).
+        """
+        own = self.own_delays if own is None else own
+        torque, rate = rows.find_torques(own) if np.any(own) else (rows.torque, rows.torque_rate)
         width, delay = self._width, self._friction + find_columns("delay").start
-        values = np.stack([-rows.torque_rate, rows.torque_rate, rows.torque], axis=2)
         places = [np.array([delay, width - 2, width - 1])] * len(self.columns)
-        return self._change(places, list(np.swapaxes(values, 0, 1)))
+        values = np.stack([-rate, rate, torque - own * rate], axis=2)  # by its delay, that is as early as the others
+        return self._change(places, list(np.swapaxes(values, 0, 1)), own_delays=own)
 
     def with_ripple(self, rows: ArmRows, orders: FloatArray) -> ArmEquations:
         """The same with waves of these orders over the positions of the joints. Shape (n_joints,)."""
@@ -243,39 +255,6 @@ class ArmEquations:
         return int(self.columns[0].shape[1])
 
 
-@dataclass(frozen=True)
-class EquationSums:
-    """All that a fit needs of some of the rows.
-
-    Attributes:
-        arm: The simulation.
-        sums: G of each joint. Shape (n_joints, n_columns, n_columns).
-        counts: Rows that count, of each joint. Shape (n_joints,).
-        weights: Noise and inflation of all rows.
-        top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
-    """
-
-    arm: SimulatedArm
-    sums: FloatArray
-    counts: FloatArray
-    weights: Weights
-    top_speed: FloatArray
-
-    @cached_property
-    def torque_sizes(self) -> TorqueSizes:
-        """What priors are measured in."""
-        return measure_torques(self.arm, self.sums, self.top_speed)
-
-    @staticmethod
-    def join(blocks: Sequence[EquationSums]) -> EquationSums:
-        """Of several blocks together."""
-        return replace(
-            blocks[0],
-            sums=np.sum([one.sums for one in blocks], axis=0),
-            counts=np.sum([one.counts for one in blocks], axis=0),
-        )
-
-
 def count_columns(friction: int, n_joints: int) -> int:
     """Columns of each joint, of which that many stand before those of friction."""
     return friction + len(column_names()) + len(GEARS) * (n_joints - 1) + N_LAST
@@ -319,9 +298,9 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     starts = list_stribeck_starts()
     weights, curves, creep = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape)), np.array(CREEP_SPEEDS)
-    none = np.zeros((n, creep.size))
+    gears = {one: np.zeros((n, 3)) for one in GEARS}
     bare = ArmEquations(
-        arm, tuple(columns), weights, top, np.zeros(n), curves, none, {one: np.zeros((n, 3)) for one in GEARS}
+        arm, tuple(columns), weights, top, np.zeros(n), np.zeros(n), curves, np.zeros((n, creep.size)), gears
     )
     bare = bare.with_links(rows, load, arm.inertia).with_torque(rows)
     if plain:

@@ -16,7 +16,8 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from .coordinates import ArmModel, place_parameters
-from .equations import N_LAST, ArmEquations, EquationSums
+from .equation_sums import EquationSums
+from .equations import N_LAST, ArmEquations
 from .prior import ArmPrior
 from .prior.sizes import PriorSizes
 from .rigid.inertia import N_INERTIA

@@ -177,7 +177,7 @@ class ArmSearch:
         """
         plain = replace(ArmModel.build_plain(len(self.arm.joints)), prompt=known.fit.model.prompt)
         self.trials, self.rivals = {}, {}
-        moved, equations = move_torques(self.recording, rows, equations, known.delay.value)
+        moved, equations = move_torques(rows, equations, known.delay.value)
         model, _, equations = self._take_in(moved, equations, plain)
         return self.run(moved, equations, model, known.delay)
 
@@ -244,9 +244,6 @@ def _try_out(
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
     glance, early = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
 
-    def is_early(joint: int) -> bool:
-        return not fit.model.prompt and early.shows(joint, glance)
-
     proposed = [(name, other) for name, other in propose_models(fit.arm, fit.model) if name not in barred]
     gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in proposed]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
@@ -261,7 +258,9 @@ def _try_out(
         tried = [
             (name, one)
             for name, one in tried
-            if is_physical(one, fit, is_early) and _is_possible(one, fit) and not _is_torn(one, fit, early)
+            if is_physical(one, fit, lambda joint: early.shows(joint, glance))
+            and _is_possible(one, fit)
+            and not _is_torn(one, fit, early)
         ]
         if tried:
             return tried

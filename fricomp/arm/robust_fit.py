@@ -11,6 +11,7 @@ from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
 from .search.ripple import refine_ripples
 from .search.stribeck import refine_stribeck
+from .timing.own_delay import refine_delays
 
 _REWEIGHTINGS = 2
 """Rounds of weighing rows by what a fit leaves of them."""
@@ -45,6 +46,7 @@ def fit_robustly(
         equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
         fit = fit_arm(arm, equations, model, prior, fit)
     fit, equations = refine_ripples(rows, equations, fit, prior)
+    fit, equations = refine_delays(rows, equations, fit, prior)
     fit, equations = refine_stribeck(rows, equations, fit, prior)
     held = hold_at_zero(fit) if settled else fit.model
     if held == fit.model:

@@ -73,6 +73,8 @@ class ArmRows:
         links: Columns of the links. Shape (n, n_joints, 10 n_links).
         lean: Their change as gravity leans over, of mass and first moments. Shape (n, n_joints, 2, 4 n_links).
         cutoff: Of the comparison [Hz].
+        parts: What was recorded.
+        late: By how much the torques are taken to be late [s].
         least_speed: Below which the steps of its encoder leave a joint's direction open [rad/s] or [m/s]. Shape
             (n_joints,).
     """
@@ -87,6 +89,8 @@ class ArmRows:
     links: FloatArray
     lean: FloatArray
     cutoff: float
+    parts: tuple[ArmPart, ...]
+    late: float
     least_speed: FloatArray
     _ways: tuple[_Way, ...]
 
@@ -120,10 +124,21 @@ class ArmRows:
         """
         return np.asarray(self.lean @ inertia.reshape(-1, N_INERTIA)[:, :N_GRAVITY].ravel())
 
-    def with_delay(self, recording: ArmRecording, delay: float) -> ArmRows:
+    def with_delay(self, delay: float) -> ArmRows:
         """The same motion with torques that are taken to be late by `delay` [s]."""
-        torque, rate = _compare_torques(self._ways, recording, delay)
-        return replace(self, torque=torque, torque_rate=rate)
+        torque, rate = _compare_torques(self._ways, self.parts, delay)
+        return replace(self, torque=torque, torque_rate=rate, late=delay)
+
+    def find_torques(self, own: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torques and their rates where each joint's are later than the others by a time of its own.
+
+        Args:
+            own: That time [s]. Shape (n_joints,).
+
+        Returns:
+            [N·m] or [N], and a second. Shapes (n, n_joints).
+        """
+        return _compare_torques(self._ways, self.parts, self.late + own)
 
 
 @dataclass(frozen=True)
@@ -170,7 +185,7 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
     """
     ways = tuple(_Way.plan(part, cutoff) for part in recording.parts)
     motions = tuple(_differentiate(way.smooth(part.position), part.period) for way, part in _pair(ways, recording))
-    torque, rate = _compare_torques(ways, recording, delay)
+    torque, rate = _compare_torques(ways, recording.parts, delay)
     times = [part.time[:: way.step][way.kept] for way, part in _pair(ways, recording)]
     columns = [
         tuple(map(way.compare, compute_regressors(arm, *(column[:: way.step] for column in motion))))
@@ -187,6 +202,8 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
         links=np.concatenate([links for links, _ in columns]),
         lean=np.concatenate([lean for _, lean in columns]),
         cutoff=cutoff,
+        parts=recording.parts,
+        late=delay,
         least_speed=_COUNTS * ways[0].smoothing * np.array([_find_step(one.position) for one in recording.recordings]),
         _ways=ways,
     )
@@ -199,10 +216,12 @@ def _find_step(position: FloatArray) -> float:
     return float(steps[min(_CHANCE, steps.size - 1)]) if steps.size else 0.0
 
 
-def _compare_torques(ways: Sequence[_Way], recording: ArmRecording, delay: float) -> tuple[FloatArray, FloatArray]:
+def _compare_torques(
+    ways: Sequence[_Way], parts: Sequence[ArmPart], delay: float | FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Torques and their rates at the rows, as early as the positions."""
-    torques = [_advance(part, delay) for part in recording.parts]
-    rates = [_find_rate(torque, part.period) for torque, part in zip(torques, recording.parts, strict=True)]
+    torques = [_advance(part, delay) for part in parts]
+    rates = [_find_rate(torque, part.period) for torque, part in zip(torques, parts, strict=True)]
     return (
         np.concatenate([way.take(one) for way, one in zip(ways, torques, strict=True)]),
         np.concatenate([way.take(one) for way, one in zip(ways, rates, strict=True)]),
@@ -225,9 +244,10 @@ def _find_rate(samples: FloatArray, period: float) -> FloatArray:
     return np.asarray(CubicSpline(period * np.arange(len(samples)), samples)(period * np.arange(len(samples)), 1))
 
 
-def _advance(part: ArmPart, delay: float) -> FloatArray:
+def _advance(part: ArmPart, delay: float | FloatArray) -> FloatArray:
     """Torques as early as the positions [N·m] or [N]. Shape (n, n_joints)."""
-    return np.stack([np.interp(part.time + delay, part.time, one) for one in part.torque.T], axis=1)
+    each = np.broadcast_to(delay, part.torque.shape[1:])
+    return np.stack([np.interp(part.time + by, part.time, one) for by, one in zip(each, part.torque.T, strict=True)], 1)
 
 
 def _filter(columns: FloatArray, cutoff: float, rate: float) -> FloatArray:

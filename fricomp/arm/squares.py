@@ -9,7 +9,8 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from .coordinates import Coordinates
-from .equations import ArmEquations, EquationSums
+from .equation_sums import EquationSums
+from .equations import ArmEquations
 from .rigid.inertia import N_INERTIA
 
 

@@ -58,6 +58,25 @@ def test_a_later_one_is_said_to_be_later(tmp_path: Path) -> None:
     assert not _is_early(found, _ELBOW)
 
 
+def test_a_command_through_a_drive_that_lags_is_a_torque_that_is_recorded_first(tmp_path: Path) -> None:
+    """u = tau + T tau', which is no shift where friction turns round; what the term left there was friction that creeps
+    ahead of the joint, and the delay was given up for it."""
+    simulation, lag = write_arm(tmp_path), 0.011
+    recordings = record_arm(simulation, duration=_DURATION)
+    elbow = recordings[_ELBOW]
+    recordings[_ELBOW] = replace(elbow, torque=elbow.torque + lag * np.gradient(_smooth(elbow.torque), elbow.time))
+    found = examine_arm(recordings, simulation)
+    assert names_of(found.record) == {"shoulder": [], "elbow": ["torque_delay"], "wrist": []}
+    (effect,) = found.record.joints[_ELBOW].effects
+    assert effect.parameters["delay"].value == pytest.approx(-lag, rel=0.1)
+    assert "drive_lag" in effect.indistinguishable_from
+
+
+def _smooth(torque: FloatArray) -> FloatArray:
+    """Without the noise of single samples, which no drive has in its command."""
+    return np.asarray(np.convolve(torque, np.full(5, 0.2), mode="same"))
+
+
 @pytest.mark.parametrize("side", ["motor", "link"])
 def test_an_elastic_gear_is_no_early_torque(tmp_path: Path, side: str) -> None:
     simulation = write_arm(tmp_path)

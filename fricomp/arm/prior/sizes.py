@@ -22,8 +22,8 @@ _LEAST_LEVEL = 1e-3
 """Of a joint's widest friction torque, that its Coulomb level is taken to have at least."""
 
 HELD_PART = 1e-6
-"""Prior deviation of friction that is held at zero, as part of what it is otherwise, since models are weighed from where
-it is not."""
+"""Prior deviation of friction that is held at zero, as part of what it is otherwise: models are weighed from where it
+is not held."""
 
 _WHOLE = frozenset(term.name for term in TERMS.values() if term.whole)
 """Terms whose one parameter is a share that should be one."""

@@ -33,8 +33,8 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
 def _suits(term: JointTerm, form: JointForm, *, rotary: bool) -> bool:
     """Whether a term may act beside others in a joint that turns, or slides.
 
-    Friction that creeps is ahead of its joint by a time of its own. Beside a delay of the joint it would take friction's
-    part of that, and leave a delay of the links alone, which is none.
+    Friction that creeps is ahead of its joint by a time of its own. Beside a delay of the joint it would take the part
+    of friction in that, and leave a delay of the links alone, which is none.
     """
     timed = term.name == CREEP and any(TERMS[name].filled == "delay" for name in form.names)
     return not timed and (rotary or term.on_slides is not None)

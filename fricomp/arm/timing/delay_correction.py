@@ -47,7 +47,7 @@ def take_off_delay(
         beyond, early = total + more.value + _SURELY * more.deviation < held, EarlyTorques(rows, equations, fit)
         if beyond and not early.are_all(total + fit.delay[0]):
             at = held if early.are_held(total + fit.delay[0]) else 0.0
-            return *move_torques(recording, rows, equations, at), more.move(total, at - total), True
+            return *move_torques(rows, equations, at), more.move(total, at - total), True
         still = abs(more.value) < 0.5 * more.deviation
         moved = 0.0 if still else more.value / measure_seen(more.value, before, moved)
         before = more.value
@@ -55,15 +55,13 @@ def take_off_delay(
         if still:
             break
         total = found.value
-        rows, equations = move_torques(recording, rows, equations, total)
+        rows, equations = move_torques(rows, equations, total)
     if found.is_sure or not total:
         return rows, equations, found, ahead and not total
-    return *move_torques(recording, rows, equations, 0.0), found._replace(value=0.0), ahead
+    return *move_torques(rows, equations, 0.0), found._replace(value=0.0), ahead
 
 
-def move_torques(
-    recording: ArmRecording, rows: ArmRows, equations: ArmEquations, delay: float
-) -> tuple[ArmRows, ArmEquations]:
+def move_torques(rows: ArmRows, equations: ArmEquations, delay: float) -> tuple[ArmRows, ArmEquations]:
     """Rows and equations of torques that are taken to be late by this [s]."""
-    moved = rows.with_delay(recording, delay)
+    moved = rows.with_delay(delay)
     return moved, equations.with_torque(moved)
