@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -243,7 +244,7 @@ def _try_out(
 ) -> list[tuple[str, ArmFit]]:
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
     glance, early = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
-
+    is_early = partial(early.shows, glance=glance)
     proposed = [(name, other) for name, other in propose_models(fit.arm, fit.model) if name not in barred]
     gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in proposed]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
@@ -258,9 +259,7 @@ def _try_out(
         tried = [
             (name, one)
             for name, one in tried
-            if is_physical(one, fit, lambda joint: early.shows(joint, glance))
-            and _is_possible(one, fit)
-            and not _is_torn(one, fit, early)
+            if is_physical(one, fit, is_early) and _is_possible(one, fit) and not _is_torn(one, fit, early)
         ]
         if tried:
             return tried
