@@ -22,8 +22,8 @@ from .physics import is_whole
 from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
+from .search.own_delay import measure_own_delay
 from .search.stribeck import hold_curve, suit_curve
-from .timing.own_delay import measure_own_delay
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9

@@ -9,9 +9,9 @@ from .physics import hold_at_zero
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
+from .search.own_delay import refine_delays
 from .search.ripple import refine_ripples
 from .search.stribeck import refine_stribeck
-from .timing.own_delay import refine_delays
 
 _REWEIGHTINGS = 2
 """Rounds of weighing rows by what a fit leaves of them."""

@@ -16,7 +16,7 @@ from ..fit import ArmFit, fit_arm
 from ..friction import TERMS
 from ..prior import ArmPrior
 from ..rows import ArmRows
-from ..search.shared_delay import measure_seen
+from .shared_delay import measure_seen
 
 _ROUNDS = 6
 _STILL = 0.1
