@@ -49,7 +49,8 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
     """Confirm the best explanation, where it covers the mismatch and is what its names say: no one part that ripples
     torque and friction, no other curve over speed.
 
-    Where some of its effects lack what a name needs, the others are tried without them.
+    Where some of its effects lack what a name needs, the others are tried without them. What only completes the form
+    of the friction goes first: beside it, numbers of the others are less well determined.
 
     Args:
         baseline: The base fitted to the recordings, with its nulls.
@@ -61,6 +62,10 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
     while (
         tried is not None and covers(tried, found, baseline) and tried.common_order is None and not tried.foreign_curve
     ):
+        if forms := _find_forms(baseline, found, tried):
+            objections |= forms
+            tried = _find_rest(found, set(tried.names) - set(forms))
+            continue
         held = confirm(baseline, tried.structure, tried.fit, seed, given=tried.before)
         if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
             return Trial(repetitions, failed=tried, objections=objections, unfit=unfit)
@@ -99,8 +104,7 @@ def _list_objections(
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
         return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")
-    found_against = _find_forms(baseline, found, tried)
-    found_against |= find_one_way(tried.names, [one.velocity for one in baseline.structure.contexts])
+    found_against = find_one_way(tried.names, [one.velocity for one in baseline.structure.contexts])
     for name in tried.names:
         share = repetitions.compute_share_of_any((name, *list_aliases(found, name)))
         if share < NEEDS.share and name not in found_against:

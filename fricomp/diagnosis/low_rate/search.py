@@ -159,7 +159,7 @@ def _leave_out_needless(
             rest, steps = named[:k] + named[k + 1 :], [less]
             for later in reversed(rest[k + 1 :]):
                 steps.insert(0, fit_held_out(leave_out(steps[0].model, later.name), motion, less.held))
-            return fits[:k] + steps, rest
+            return fits[: k + 1] + steps, rest
     return fits, named
 
 

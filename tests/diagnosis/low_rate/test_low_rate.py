@@ -9,6 +9,10 @@ from fricomp.diagnosis import diagnose
 from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.low_rate.answer import describe_slow_motion, is_low_rate
+from fricomp.diagnosis.low_rate.held_out import fit_held_out
+from fricomp.diagnosis.low_rate.models import add_drag, add_spring, write_plain_model
+from fricomp.diagnosis.low_rate.search import Found, _leave_out_needless
+from fricomp.evaluation import join_motions, read_motion
 from fricomp.recording import Recording, RecordingMetadata
 
 from .slow_joint import COULOMB, INERTIA, VISCOUS, slow_log
@@ -135,6 +139,21 @@ def test_a_motion_in_one_direction_names_what_depends_on_the_angle_alone(ripple:
     found = diagnose(Recording(t, q, torque + noise, metadata=RecordingMetadata(continuous=True)))
     assert [one.name for one in found.effects] == names
     assert any(one.startswith("torque_delay is not named") for one in found.sentences)
+
+
+def test_an_effect_that_stood_in_for_a_later_one_goes_and_the_fits_stay_those_of_the_rest() -> None:
+    recording = slow_log(40.0, 61, seconds=30.0, more=lambda q, v: 0.8 * q)
+    motion = join_motions([read_motion(recording)])
+    base = fit_held_out(write_plain_model([recording], motion), motion)
+    fits, named = [base], [add_drag(base, motion)]  # there is none
+    fits.append(fit_held_out(named[0].model, motion, named[0].held))
+    named.append(add_spring(fits[-1], motion))
+    fits.append(fit_held_out(named[1].model, motion, named[1].held))
+    kept, names = _leave_out_needless(fits, named, motion, COULOMB)
+    assert [one.name for one in names] == ["spring_torque"]
+    ((one, before, after),) = Found(0.0, tuple(kept), tuple(names)).steps
+    assert before is base
+    assert {term.name for term in after.model.law.terms} == {"coulomb", "viscous", one.name}
 
 
 def test_faster_recordings_are_left_to_the_rows() -> None:
