@@ -19,6 +19,11 @@ from .settings import SEARCH
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
+def does_creep(baseline: Baseline) -> bool:
+    """Whether the friction of the base creeps."""
+    return float(baseline.fit.theta[_CREEP]) > 0.0
+
+
 def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | None:
     """Find the best explanation, or the strongest of its effects alone, with friction that creeps, where that leaves
     clearly less than a bristle; None elsewhere.
@@ -32,7 +37,7 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
         found: What the search found.
     """
     best = found.leading
-    if best is None or baseline.fit.theta[_CREEP] > 0.0 or not may_creep(baseline.problem.tracks):
+    if best is None or does_creep(baseline) or not may_creep(baseline.problem.tracks):
         return None
     residual = best.fit.residual
     if found.best is None and float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size:

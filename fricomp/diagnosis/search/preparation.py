@@ -114,6 +114,7 @@ def prepare(
     seed: int,
     rigid: RigidJoint | None = None,
     creeps: FloatArray | None = None,
+    holds: bool = False,
     start: Plant | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Baseline:
@@ -126,6 +127,7 @@ def prepare(
         seed: Seed of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
         creeps: Base parameters of the joint, shape (p,), where its friction is known to creep.
+        holds: Whether no friction that creeps is tried.
         start: The joint as far as it is known; None for the estimate in weak form.
         tell: Called with a first look at what the base leaves, in a sentence.
     """
@@ -135,6 +137,8 @@ def prepare(
     fit = try_other_bristle(problem, fit, box)
     if creeps is not None:
         return _settle(raw, *fit_creeping(problem, creeps, box, find_top_speed(tracks)), (nulls, seed), rigid)
+    if holds:
+        return _settle(raw, fit, box, (nulls, seed), rigid)
     baseline = _settle(raw, *_try_creep(raw, problem, fit, box, seed), (nulls, seed), rigid)
     if is_loud(fit) or not is_loud(baseline.fit):
         return baseline

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ..effects.structure import N_BASE
-from .late_creep import find_late_creep
+from .late_creep import does_creep, find_late_creep
 from .late_joint import find_far_joint, measure_left
 from .late_noise import remeasure_noise
 from .preparation import Baseline
@@ -21,13 +21,13 @@ Tell = Callable[[str], None]
 def search_in_rounds(
     baseline: Baseline, base: Callable[..., Baseline], seed: int, tell: Tell
 ) -> tuple[Baseline, SearchResult]:
-    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base, from the
-    joint that was found, where such an effect had bent the first estimate, and with the noise that is left beside what
-    was found, where that had passed for noise.
+    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base, or with
+    friction that holds, where creep had stood in for one, from the joint that was found, where such an effect had bent
+    the first estimate, and with the noise that is left beside what was found, where that had passed for noise.
 
     Args:
         baseline: The base fitted to the recordings.
-        base: Fits it anew; takes `creeps` and `start` of `prepare`.
+        base: Fits it anew; takes `creeps`, `holds` and `start` of `prepare`.
         seed: Seed of the nulls' noise.
         tell: Called with a few words before each round.
 
@@ -36,7 +36,8 @@ def search_in_rounds(
     """
     tell("searching for effects")
     found = search(baseline)
-    base, baseline, found = _search_with_creep(baseline, found, base, tell)
+    other = _search_with_bristle if does_creep(baseline) else _search_with_creep
+    base, baseline, found = other(baseline, found, base, tell)
     baseline, found = _search_from_joint(baseline, found, base, tell)
     quieter = remeasure_noise(baseline, found, seed)
     if quieter is None:
@@ -63,6 +64,21 @@ def _search_with_creep(
     is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
     kept = is_clear or measure_left(other, again) < measure_left(baseline, found)
     return (creeping, other, again) if kept else (base, baseline, found)
+
+
+def _search_with_bristle(
+    baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
+) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
+    """Search again with friction that holds, where more than noise is left beside friction that creeps; keep it where
+    it leaves less. Creep draws much of what another curve over speed does, and hides the rest of it."""
+    if found.leading is None or measure_left(baseline, found) <= SEARCH.something_left:
+        return base, baseline, found
+    tell("searching again, with friction that holds")
+    holding = partial(base, holds=True)
+    other = holding()
+    again = search(other)
+    kept = again.best is not None and measure_left(other, again) < measure_left(baseline, found)
+    return (holding, other, again) if kept else (base, baseline, found)
 
 
 def _search_from_joint(
