@@ -7,24 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects import EFFECTS, Context
 from ..effects.identity import find_twin
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
-from ..joint.race import Entry, Race
-from ..joint.solver import Fit
-from .beside_shapes import fit_beside_shapes
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
-from .hypotheses import narrow_starts
 from .overtones import fit_overtones
 from .preparation import Baseline
-from .refit import compute_preference, fit_from, polish, rebuild, refit
+from .refit import fit_from, polish, rebuild, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
 from .siblings import fit_siblings
-from .simulated_body import N_BODY, hold, move_to
+from .singles import fit_from_simulation, fit_singles, fit_with_care, rank_groups, scan_again, select_suspected
 from .straightened import fit_straightened
 
 
@@ -70,8 +65,8 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
     explainable = compute_spread_excess(span, fit.residual)
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
     ready = [] if known is None else _fit_known(baseline, known)
-    free = _fit_singles(baseline, first, ready)
-    tried = ready + free + _fit_from_simulation(baseline, free)
+    free = fit_singles(baseline, first, ready)
+    tried = ready + free + fit_from_simulation(baseline, free)
     tried += fit_overtones(baseline, rank_acceptable(tried, threshold)[: SEARCH.careful], threshold)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
@@ -227,118 +222,6 @@ def _count_freedom(baseline: Baseline, column: Column) -> int:
     return Structure(baseline.structure.contexts, (column.candidate,)).freedom
 
 
-def _fit_singles(baseline: Baseline, first: Screen, ready: Sequence[Explanation]) -> list[Explanation]:
-    """Fit each strong effect on its own, as long as it may come near what is `ready`: quickly from its best starts, and
-    with care where it is among the best. Where none explains most, fit all other effects too, since a base that is bent
-    far screens badly."""
-    lead = min((one.fit.cost for one in ready), default=np.inf)
-    strong, contexts = _rank_groups(first, SEARCH.singles), baseline.structure.contexts
-    replacing = _select_replacing(baseline, first)
-    suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
-    groups = [*strong, *(group for group in suspected if group not in strong)]
-    tried = _refit_groups(baseline, [group for group in groups if group not in replacing], lead)
-    tried += _fit_with_care(baseline, replacing, baseline)
-    if baseline.noise_ratio > SEARCH.bent and all(
-        explanation.coverage < SEARCH.most_covered for explanation in (*tried, *ready)
-    ):
-        tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups], lead)
-        tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=lead))
-    if baseline.noise_ratio > SEARCH.bent_far:
-        tried += fit_beside_shapes(baseline)
-    return sorted(tried, key=compute_preference, reverse=True)
-
-
-def _select_replacing(at: Baseline | Explanation, screened: Screen) -> list[list[Column]]:
-    """Select effects, grouped by name, that take the place of parameters which stand at a bound in a fitted base."""
-    suspected, contexts = _select_suspected(at, screened), at.structure.move_contexts(at.fit.theta)
-    alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
-    base = at.fit.theta[:N_BASE]
-    added = [one.compute_contributions(np.concatenate([base, one.build_start()])) for one in alone]
-    return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
-
-
-def _select_suspected(at: Baseline | Explanation, screened: Screen) -> list[list[Column]]:
-    """Select effects, grouped by name, at which a fitted base points itself: one of its parameters stands at a bound.
-
-    Its own column hides theirs there, however much they would add beyond the bound.
-    """
-    contexts = at.structure.move_contexts(at.fit.theta)
-    return [group for group in _group_columns(screened) if group[0].candidate.effect.is_suspected(contexts)]
-
-
-def _fit_with_care(
-    baseline: Baseline, groups: Sequence[Sequence[Column]], at: Baseline | Explanation
-) -> list[Explanation]:
-    """Fit effects that take over a parameter at its bound in the base, with fresh Jacobians. All else there is bent to
-    make up for that bound, and no column of the base is that of the joint without it."""
-    beside = at.settled if isinstance(at, Explanation) else ()
-    tried = [(*beside, column.candidate) for group in groups for column in group[: SEARCH.hypotheses]]
-    theta, contexts = at.fit.theta[:N_BASE], at.structure.contexts
-    return fit_from(baseline, [(Structure(contexts, candidates), theta) for candidates in tried], baseline.box)
-
-
-def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
-    """Fit effects with many minima from starts far from each other, as long as they may come near the cost `lead`."""
-    contexts, theta = baseline.structure.contexts, baseline.fit.theta
-    starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
-    wanted = [(Structure(contexts, (Candidate(name, tuple(start.items())),)), theta) for name, start in starts]
-    return fit_from(baseline, wanted, baseline.box, entry=Entry(Race(baseline.fit.cost, lead), hurried=True))
-
-
-def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> list[Explanation]:
-    """Fit the effects that stand out beside the simulation as given, from there, where none from the free base covers.
-
-    The free base bends inertia and gravity into the shape of what is missing, and a fit that starts there may stay:
-    a stop at one end has come as another gravity and a ripple.
-    """
-    if baseline.rigid is None or any(explanation.coverage >= SEARCH.enough for explanation in free):
-        return []
-    box = hold(baseline.box, baseline.rigid)
-    start = move_to(box.centre[:N_BODY], baseline.fit.theta, baseline.structure.contexts)
-    (given,) = fit_from(baseline, [(baseline.structure, start)], box)
-    fit = given.fit
-    held = replace(fit, jacobian=fit.jacobian[:, N_BODY:])  # nothing follows where the body is as given
-    structure = replace(given.structure, contexts=_scan_again(baseline, given.structure.move_contexts(fit.theta), held))
-    screened = screen(baseline.problem, structure, fit.theta, fit.residual, fit.jacobian)
-    groups = _rank_groups(screened, SEARCH.from_simulation)
-    wanted = [(replace(structure, candidates=(group[0].candidate,)), fit.theta) for group in groups]
-    return fit_from(baseline, wanted, baseline.box)
-
-
-def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]], lead: float) -> list[Explanation]:
-    """Refit the best starts of each effect that may come near the cost `lead`, and the best effects with care."""
-    options = [_select_options(baseline, group) for group in groups]
-    trials = iter(refit(baseline, [((c.candidate,), baseline) for part in options for c in part], lead))
-    quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
-    quick.sort(key=compute_preference, reverse=True)
-    careful = polish(baseline, quick[: SEARCH.careful], lead=lead)
-    if all(explanation.coverage < SEARCH.enough for explanation in careful):
-        careful += polish(baseline, quick[SEARCH.careful : SEARCH.more_careful], lead=lead)
-    return careful + quick[len(careful) :]
-
-
-def _select_options(baseline: Baseline, group: Sequence[Column]) -> Sequence[Column]:
-    """The hypotheses of one effect that are worth a refit."""
-    if group[0].candidate.effect.is_suspected(baseline.structure.contexts):
-        return group[: SEARCH.hypotheses]
-    least = max(0.3 * group[0].energy, float(np.log(baseline.fit.residual.size)))
-    return [column for column in group if column.energy > least][: SEARCH.hypotheses]
-
-
-def _rank_groups(screened: Screen, count: int) -> list[list[Column]]:
-    """Candidates grouped by effect, strongest effect first, the faintest left out."""
-    strongest = screened.columns[0].energy if screened.columns else 0.0
-    return [group for group in _group_columns(screened) if group[0].energy > SEARCH.faint_effect * strongest][:count]
-
-
-def _group_columns(screened: Screen) -> list[list[Column]]:
-    """Candidates grouped by effect, strongest effect first."""
-    groups: dict[str, list[Column]] = {}
-    for column in screened.columns:
-        groups.setdefault(column.candidate.name, []).append(column)
-    return list(groups.values())
-
-
 def _grow(
     baseline: Baseline,
     tried: Sequence[Explanation],
@@ -355,10 +238,10 @@ def _grow(
     seen: set[tuple[str, ...]] = set()
     for seed in (_renew_starts(baseline, seed) for seed in seeds):
         screened = screen(baseline.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
-        suspected = [g for g in _select_suspected(seed, screened) if _join_names(seed, g) not in known | seen]
-        grown += _fit_with_care(baseline, suspected, seed)
+        suspected = [g for g in select_suspected(seed, screened) if _join_names(seed, g) not in known | seen]
+        grown += fit_with_care(baseline, suspected, seed)
         seen |= {_join_names(seed, group) for group in suspected}
-        for columns in _rank_groups(screened, SEARCH.partners):
+        for columns in rank_groups(screened, SEARCH.partners):
             names = _join_names(seed, columns)
             if names in seen or (seed.coverage > SEARCH.enough and columns[0].energy < SEARCH.stands_out * threshold):
                 continue
@@ -383,15 +266,8 @@ def _renew_starts(baseline: Baseline, seed: Explanation) -> Explanation:
     """
     if seed.left < SEARCH.much_left or seed.coverage < SEARCH.most_covered:
         return seed
-    contexts = _scan_again(baseline, seed.structure.contexts, seed.fit)
+    contexts = scan_again(baseline, seed.structure.contexts, seed.fit)
     return replace(seed, structure=replace(seed.structure, contexts=contexts))
-
-
-def _scan_again(baseline: Baseline, contexts: Sequence[Context], fit: Fit) -> tuple[Context, ...]:
-    """Scan the starts of effects in what a fit leaves, as far as its columns do not follow."""
-    alone = Structure(tuple(contexts))
-    starts = narrow_starts(baseline.problem, alone, fit.residual, orthonormalise(fit.jacobian))
-    return tuple(replace(context, hints={**context.hints, **starts}) for context in contexts)
 
 
 def _join_names(seed: Explanation, group: Sequence[Column]) -> tuple[str, ...]:
