@@ -50,7 +50,9 @@ def compare_rigid(
     shift = refit - prior
     hypotheses = {"inertia_error": np.eye(shift.size)[:, :1]}
     if static:
-        hypotheses |= {"payload_error": np.eye(shift.size), "torque_gain_error": prior[:, None]}
+        hypotheses["payload_error"] = np.eye(shift.size)
+    if _shows_gravity(prior, covariance + floor):
+        hypotheses["torque_gain_error"] = prior[:, None]
     scores, _ = weigh_hypotheses(shift, weight, hypotheses)
     if scores[""] - min(scores.values()) < PARAMETERS.significant or not _matters(shift, plant, given, acceleration):
         return Comparison()
@@ -66,11 +68,12 @@ def compare_rigid(
     # Inertia and gravity that are off by the same factor are a gain as well as another mass. The gain is named where
     # both are seen to be off, one factor leaves nothing of the shifts and torque signals are off by as much: otherwise
     # nothing speaks for it.
-    alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + PARAMETERS.simpler
+    gain = scores.get("torque_gain_error", np.inf)
+    alike = best in _SAME_FACTOR and gain <= scores["payload_error"] + PARAMETERS.simpler
     if alike:
         parts = slice(0, 1), slice(1, None)  # the inertia, and what does not depend on acceleration
         follows = min(_measure_surprise(shift, covariance + floor, one) for one in parts) > PARAMETERS.follows
-        fits = scores["torque_gain_error"] - PARAMETERS.simpler < PARAMETERS.gain_leaves
+        fits = gain - PARAMETERS.simpler < PARAMETERS.gain_leaves
         usual = abs(float(fitted["torque_gain_error"][0])) <= PARAMETERS.usual_gain
         best = "torque_gain_error" if follows and fits and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance + floor))
@@ -81,6 +84,9 @@ def compare_rigid(
         for one, own in zip(static, deviation[1:], strict=True)
     ]
     others = tuple(name for name in _SAME_FACTOR if alike and name != best)
+    usual = abs(float(fitted["inertia_error"][0])) <= PARAMETERS.usual_gain
+    if best == "inertia_error" and "torque_gain_error" not in hypotheses and usual:
+        others = ("torque_gain_error",)
     shift_of_best = _describe_shift(
         best, fitted[best], hypotheses[best], covariance + floor, (given, plant, unit, others), static
     )
@@ -91,6 +97,12 @@ def _matters(shift: FloatArray, plant: Plant, given: RigidJoint, acceleration: f
     """Whether the torque of a shift is a part of the friction that a user would care about, as for what is unknown."""
     torque = np.hypot(float(shift[0]) * given.inertia * acceleration, float(np.linalg.norm(shift[1:])))
     return bool(torque > GATES.material * plant.level)
+
+
+def _shows_gravity(prior: FloatArray, covariance: FloatArray) -> bool:
+    """Whether the simulation has a gravity that the recording shows: without one, a gain is another inertia."""
+    strays = np.diag(covariance)[1:]
+    return bool(np.sum(prior[1:] ** 2) > np.sum(strays))
 
 
 def _measure_surprise(shift: FloatArray, covariance: FloatArray, own: slice) -> float:

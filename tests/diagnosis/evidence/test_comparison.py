@@ -67,6 +67,18 @@ def test_a_gravity_that_is_off_by_a_trifle_makes_no_other_load_of_another_inerti
     assert effect.name == name
 
 
+@pytest.mark.parametrize("gravity", [0.0, 1e-9])
+@pytest.mark.parametrize(("inertia", "alike"), [(0.285, ("torque_gain_error",)), (0.22, ())])
+def test_without_a_gravity_a_factor_is_that_of_the_inertia(gravity: float, inertia: float, alike: tuple[str]) -> None:
+    """A simulation whose gravity was 1e-9 N·m had made a payload of an inertia that is off."""
+    plant = replace(_PLANT, gravity=(-0.02, -0.01))
+    strays = np.diag([1e-4, 0.1, 0.1, 0.1]) ** 2
+    given = RigidJoint(inertia, (gravity, gravity), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(plant, strays, given, "N·m", PLAIN, _BRISK).shifts
+    assert effect.name == "inertia_error"
+    assert effect.alike == alike
+
+
 def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_alias() -> None:
     given = RigidJoint(0.3 / 0.966, (1.0 / 0.966, 6.0 / 0.966 - 0.02), 0.0, 0.0, 0.0, True)
     (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED, _BRISK).shifts
