@@ -69,7 +69,10 @@ def calibrate(
         ),
     ] = "",
     gravity_unknown: Annotated[
-        bool, joint_option(help="No model of the gravity on this joint: half difference of both directions.")
+        bool,
+        joint_option(
+            "--gravity-unknown", help="No model of the gravity on this joint: half difference of both directions."
+        ),
     ] = False,
     speeds: Annotated[
         str,

@@ -58,14 +58,16 @@ def convert(
         list[str] | None, typer.Option("--only", "--joint", help="Joint or recording to take; repeat for more.")
     ] = None,
     rate: Annotated[float | None, typer.Option(help="Resample to this rate [Hz].")] = None,
-    skip_bad_rows: Annotated[bool, typer.Option(help="Leave out rows without a number or a later time.")] = False,
+    skip_bad_rows: Annotated[
+        bool, typer.Option("--skip-bad-rows", help="Leave out rows without a number or a later time.")
+    ] = False,
     row_rate: Annotated[
         float | None, typer.Option(help="Rows a second [Hz] in place of stamps that are held or missing.")
     ] = None,
     split: Annotated[
         bool, typer.Option("--split", help="Write the usable parts, each into a file of its own, without the rest.")
     ] = False,
-    force: Annotated[bool, typer.Option(help="Write even what the checks call an error.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Write even what the checks call an error.")] = False,
     inspect: Annotated[
         bool,
         typer.Option("--inspect", help="Say what each column is taken for and why; --out FILE.toml writes a mapping."),

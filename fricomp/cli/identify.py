@@ -87,7 +87,7 @@ def identify(
     ] = None,
     seed: Annotated[int, friction_option(min=0, help="Seed of the network's first weights.")] = 0,
     depart: Annotated[
-        bool, friction_option(help="Let a network leave the law where held-out points ask for it.")
+        bool, friction_option("--depart", help="Let a network leave the law where held-out points ask for it.")
     ] = False,
     batch: Annotated[bool, fleet_option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
     device: Annotated[str, fleet_option(help="torch device for --batch: cpu, cuda.")] = "cpu",

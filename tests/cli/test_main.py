@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -110,12 +111,14 @@ def test_every_command_shows_its_help(name: str) -> None:
     result = CliRunner().invoke(main.app, [name, "--help"])
     assert result.exit_code == 0, result.output
     assert "--install-completion" not in result.output  # of `fricomp` alone
+    assert set(re.findall(r"--no-[a-z-]+", result.output)) <= {"--no-gravity"}  # whose third state is to find out
 
 
 @pytest.mark.parametrize("name", [command.name for command in bench.app.registered_commands])
 def test_every_benchmark_shows_its_help(name: str) -> None:
     result = CliRunner().invoke(main.app, ["bench", name, "--help"])
     assert result.exit_code == 0, result.output
+    assert "--no-" not in result.output
 
 
 def test_the_package_runs_as_a_module() -> None:

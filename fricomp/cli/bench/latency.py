@@ -13,7 +13,7 @@ app = typer.Typer(add_completion=False)
 @app.command(epilog="fricomp bench latency --out runs/latency")
 def latency(
     out: Annotated[Path, typer.Option(help="Folder for figures.json, plots and report.")] = Path("runs/bench_latency"),
-    quick: Annotated[bool, typer.Option(help="Fewer calls and ticks.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer calls and ticks.")] = False,
     priority: Annotated[int, typer.Option(help="FIFO priority of the real-time run; 0 for none.")] = 80,
     overwrite: Overwrite = False,
 ) -> None:

@@ -16,7 +16,7 @@ _FULL, _QUICK = 2000, 210
 @app.command(epilog="fricomp bench logs --quick --out runs/logs")
 def logs(
     out: Annotated[Path, typer.Option(help="Folder for figures.json.")] = Path("runs/bench_logs"),
-    quick: Annotated[bool, typer.Option(help="Each flaw and each pair once.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Each flaw and each pair once.")] = False,
     count: Annotated[int | None, typer.Option(min=1, help="Number of logs; 2000 by default.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first logs.")] = 22,
     overwrite: Overwrite = False,

@@ -47,7 +47,7 @@ def paper(
     out: Annotated[Path, typer.Option(help="Folder for the ledger, the page and its figures.")] = Path(
         "runs/bench_paper"
     ),
-    quick: Annotated[bool, typer.Option(help="A size that CI can carry.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A size that CI can carry.")] = False,
     docs: Annotated[Path | None, typer.Option(help="Write page and figures here as well.")] = None,
     page_only: Annotated[bool, typer.Option("--page-only", help="No new draws: the page from the ledger.")] = False,
 ) -> None:

@@ -13,7 +13,7 @@ app = typer.Typer(add_completion=False)
 @app.command(epilog="fricomp bench stand-in --quick --out runs/stand_in")
 def stand_in(
     out: Annotated[Path, typer.Option(help="Folder for figures.json.")] = Path("runs/bench_stand_in"),
-    quick: Annotated[bool, typer.Option(help="5 s of random motion instead of 60 s.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="5 s of random motion instead of 60 s.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of the random motion.")] = 0,
     overwrite: Overwrite = False,
 ) -> None:

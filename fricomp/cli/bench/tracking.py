@@ -28,7 +28,7 @@ class Part(str, Enum):  # noqa: UP042 - typer shows the values of a str enum
 @app.command(epilog="fricomp bench tracking --only close-loop --out runs/close_loop")
 def tracking(
     out: Annotated[Path, typer.Option(help="Folder for figures.json, plots and report.")] = Path("runs/bench_tracking"),
-    quick: Annotated[bool, typer.Option(help="One amplitude and bandwidth, a coarse map.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="One amplitude and bandwidth, a coarse map.")] = False,
     only: Annotated[list[Part] | None, typer.Option(help="Only this part; may be repeated.")] = None,
     overwrite: Overwrite = False,
 ) -> None:
