@@ -14,6 +14,7 @@ from .conversion import NamedRecording, convert
 from .file import is_own, read_content
 from .finding import Finding
 from .mapping import Mapping, load_mapping, set_row_rate
+from .named.joint_name import select_joint
 from .named.log import NamedLog, read_named_log
 from .parts.parts import find_usable_parts
 from .recording import Recording
@@ -106,17 +107,21 @@ def _resample(named: NamedRecording, rate: float) -> NamedRecording:
 
 
 def select_recordings(found: Sequence[NamedRecording], only: Sequence[str]) -> list[NamedRecording]:
-    """Those with one of these names, or of a joint with it; all where no name is given.
+    """Those with one of these names, or of the joint that it means; all where no name is given.
 
     Raises:
         RecordingError: Nothing has one of these names.
     """
     names = [{named.name, *named.name.split("/"), named.recording.metadata.joint} for named in found]
+    joints = list(dict.fromkeys(named.recording.metadata.joint for named in found))
+    chosen = set[str]()
     for wanted in only:
-        if not any(wanted in known for known in names):
+        meant = wanted if any(wanted in known for known in names) else select_joint(joints, wanted)
+        if meant is None:
             valid = ", ".join(named.name for named in found)
             raise RecordingError(f"the source has no recording or joint {wanted!r}: valid are {valid}")
-    return [named for named, known in zip(found, names, strict=True) if not only or known & set(only)]
+        chosen.add(meant)
+    return [named for named, known in zip(found, names, strict=True) if not only or known & chosen]
 
 
 def split_usable(named: NamedRecording) -> list[NamedRecording]:

@@ -113,7 +113,7 @@ _SYMBOLS = {
 }
 """Words in which a unit is spelled out, and the symbols that they are."""
 _SHORT = (
-    *("mdeg", "cdeg", "mrad", "rpm", "dps", "radps", "degps", "nm", "mnm", "nmm", "ncm", "cnm", "knm", "ma"),
+    *("mdeg", "cdeg", "mrad", "rpm", "rps", "dps", "radps", "degps", "nm", "mnm", "nmm", "ncm", "cnm", "knm", "ma"),
     *("mm", "cm", "kg", "kgf", "kgcm", "kgfcm", "ozin", "inlb", "inlbf", "ftlb", "ftlbf", "lbft", "lbin"),
 )
 """Units in a few letters that mean nothing else as a word of their own: `speedRpm`."""

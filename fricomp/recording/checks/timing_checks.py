@@ -87,7 +87,9 @@ def find_gaps(recording: Recording) -> tuple[Finding, ...]:
         return ()
     longest = gaps[np.argmax(step[gaps])]
     message = f"{gaps.size} gap(s) in time, the longest {step[longest]:.4g} s at {recording.time[longest]:.6g} s"
-    return (Finding("gap", "warning", message, "split the recording there", int(longest) + 2, "time"),)
+    return (
+        Finding("gap", "warning", message, "identify and diagnose cut there by themselves", int(longest) + 2, "time"),
+    )
 
 
 def find_jitter(recording: Recording) -> tuple[Finding, ...]:

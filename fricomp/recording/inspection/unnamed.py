@@ -234,7 +234,9 @@ def render_guess(
         off = abs(joint.scale - 1.0) > 0.2
         remark = f"  # moves {joint.scale:.4g} times as far as the velocity says: another unit?" if off else ""
         lines += [before + rule("position", joint.position) + remark]
-        lines += [before + rule("velocity", joint.velocity)] if joint.velocity else []
+        velocity = rule("velocity", joint.velocity) if joint.velocity else ""
+        asked = "VALUE_OF_ONE" in velocity  # which no answer needs
+        lines += [f"# {before}{velocity}  # where you know it"] if asked else [before + velocity] if velocity else []
         lines += [before + (rule("torque", joint.torque) if joint.torque else _UNSEEN[1])]
     lines += [] if guess.joints else list(_UNSEEN)
     return "\n".join(lines) + "\n"

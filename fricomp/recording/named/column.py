@@ -7,6 +7,8 @@ from fricomp.recording.quantity_word import TOKEN, WANTED, WORDS, split_words
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
+from .object_name import find_object
+
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
@@ -122,6 +124,9 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     words = split_words(name)
     found = _find_quantity(name, words)
     if found is None:
+        drive = find_object(name)
+        if drive is not None:
+            return ColumnMeaning(drive.channel, drive.left, 1, RAW_UNIT)
         unit = read_unit(name) if len(name) > 1 else ""  # `rad`, `mA`; single letters are as often a joint's name
         kind = kind_of_unit(unit)
         return ColumnMeaning(kind, "", 0, unit_for(kind, unit)) if kind and kind != "voltage" else None

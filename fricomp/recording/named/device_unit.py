@@ -133,14 +133,15 @@ def explain_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, 
 def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> str:
     parts = find_rating_parts(column, beside) if channel in _RATED else 0
     if parts:
-        share, what = ("per cent", "per mille")[parts == 1000], "current" if channel == "current" else "torque"
-        unit = "A" if channel == "current" else "N·m"
+        share, of_current = ("per cent", "per mille")[parts == 1000], channel == "current"
+        what = "current" if of_current else "torque"
+        behind = 'and torque_unit = "A"' if of_current else "times the gear ratio where the position is behind a gear"
         return (
-            f"{path}: {column!r} is in {share} of the rated {what} of the motor: write {channel} = {{ column = "
-            f"{column!r}, scale = RATED/{parts} }} in a mapping with the number worked out, RATED that {what} in "
-            f"{unit} (on its plate, in the settings of the drive), times the gear ratio where the position is behind a "
-            "gear; and say there what one of the position is ('fricomp convert LOG --inspect --out log.toml' begins "
-            "one)"
+            f"{path}: {column!r} is in {share} of the rated {what} of the motor: write "
+            f"{'torque' if of_current else channel} = {{ column = {column!r}, scale = RATED/{parts} }} in a mapping "
+            f"with the number worked out, RATED that {what} in {'A' if of_current else 'N·m'} (on its plate, in the "
+            f"settings of the drive), {behind}; and say there what one of the position is ('fricomp convert LOG "
+            "--inspect --out log.toml' begins one)"
         )
     is_angle = channel in ("position", "motor_position")
     is_whole = column not in beside or _are_whole(beside[column])

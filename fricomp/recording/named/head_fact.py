@@ -19,12 +19,18 @@ from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import read_unit
 from fricomp.recording.validity import Samples
 
+from .column import read_column_name
+from .register_name import find_register
+
 _PER_TURN = r"(?:/|per|a|pro)[ _]*(?:rev\w*|turn|umdrehung)"
+_OBJECT = r"(?:\s*[\[(]?0x[0-9a-f]{4}(?:[:.]\d+)?[\])]?)?"
+"""The object of a drive that a fact is, behind its name: `rated torque (0x6076)`."""
 _CALLED = {
     "rate": r"(?:sampl\w*|log\w*|record\w*|acquisition|update|abtast\w*)[ _-]*(?:rate|freq\w*)|abtastrate|fs|f_s",
     "step": r"(?:sampl\w*|cycle|abtast\w*|zyklus)[ _-]*(?:interval|time|period|zeit)",
     "COUNTS_A_TURN": rf"(?:encoder[ _-]*)?cpr|counts?[ _]*{_PER_TURN}|(?:increments?|inkremente|inc)[ _]*{_PER_TURN}",
-    "RATED": r"(?:rated|nominal)[ _-]*(?:motor[ _-]*)?(?:torque|current)|nenn(?:dreh)?moment|nennstrom",
+    "RATED": r"(?:rated|nominal)[ _-]*(?:motor[ _-]*)?torque|nenn(?:dreh)?moment",
+    "RATED_CURRENT": r"(?:rated|nominal)[ _-]*(?:motor[ _-]*)?current|nennstrom",
     "KT": r"k_?t|torque[ _-]*constant|drehmomentkonstante",
     "RATIO": r"(?:gear[ _-]*ratio|reduction(?:[ _-]*ratio)?|(?:getriebe)?übersetzung)",
 }
@@ -32,12 +38,15 @@ _CALLED = {
 _NUMBER = r"[+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?"
 _FACT = {
     name: re.compile(
-        rf"(?<![\w.])(?:{called})\s*(?:[\[(]([^\])]*)[\])])?\s*[:=;,\t ]\s*({_NUMBER})(?:\s*[:/]\s*({_NUMBER}))?"
+        rf"(?<![\w.])(?:{called}){_OBJECT}\s*(?:[\[(]([^\])]*)[\])])?\s*[:=;,\t ]\s*"
+        rf"({_NUMBER})(?:\s*[:/]\s*({_NUMBER}))?"
         r"(?:\s*[;,]?\s*[\[(]?([^\W\d][^\s;,\])]*))?",
         re.IGNORECASE,
     )
     for name, called in _CALLED.items()
 }
+_BITS = re.compile(r"encoder\D{0,20}?(\d\d)[ -]?bits?\b|(?<!\d)(\d\d)[ -]?bit[ -](?:\w+[ -])?encoder", re.IGNORECASE)
+"""Bits of a turn: `encoder: 14 bit`, `17-bit absolute encoder`."""
 _BEFORE = re.compile(rf"(\d+)[ _]*(?:cpr(?![a-z])|(?:counts?|cts|inc(?:r|rements?)?|inkremente)[ _]*{_PER_TURN})", re.I)
 """Counts of a turn before what they are: `encoder (4096 cpr)`, `Resolution: 8192 inc/rev`."""
 _RATES = {"": 1.0, "hz": 1.0, "khz": 1e3, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0, "1/s": 1.0}
@@ -98,7 +107,7 @@ def _read_value(name: str, unit: str, number: str, over: str, behind: str) -> fl
     if name == "RATIO":
         second = float(over.replace(",", ".")) if over else 1.0
         return max(value / second, second / value) if second and value else None
-    if name in ("RATED", "KT"):
+    if name in ("RATED", "RATED_CURRENT", "KT"):
         known = UNITS.get(read_unit(unit.split("/")[0])) if unit else None
         return value * known.factor if known is not None else (None if unit else value)
     return value if value == round(value) else None
@@ -116,23 +125,38 @@ def say_head_facts(path: Path, text: str, column: str = "", beside: Mapping[str,
     facts = read_head_facts(path) | find_counts_beside(beside or {}) | _find_counts(column)
     if "gear" in text and "RATIO" in facts and "RATIO" not in text:
         text = text.replace("gear ratio", "gear ratio RATIO", 1)
+    facts = _choose_rated(facts, of_current="rated current" in text)
     known = [f"{name} is {one.value:.6g} by {one.said!r}" for name, one in facts.items() if name in text]
-    return f"{text}; in this file {', '.join(known)}" if known else text
+    if known:
+        return f"{text}; in this file {', '.join(known)}"
+    register = find_register(column)
+    return f"{text}; {register.worth:g} where it is {register.said}" if register else text
 
 
 def fill_head_facts(path: Path, line: str, column: str) -> str:
     """A line of a proposed mapping with numbers that stand in the file, and a remark on where they do."""
-    facts = read_head_facts(path) | _find_counts(column)
+    meaning = read_column_name(column)
+    of_current = meaning is not None and meaning.channel == "current"
+    facts = _choose_rated(read_head_facts(path) | _find_counts(column), of_current=of_current)
     rated, counts = facts.get("RATED"), facts.get("COUNTS_A_TURN")
     share = re.search(r"RATED/(\d+)", line)
     if rated is not None and share:
         filled = line.replace(share.group(), f"{rated.value / float(share.group(1)):.8g}")
-        return f"{filled}  # by {rated.said!r}; times the gear ratio where the position is behind a gear"
+        gear = "" if of_current else "; times the gear ratio where the position is behind a gear"
+        return f"{filled}  # by {rated.said!r}{gear}"
     counted = ("position", "velocity") if "/s" in column else ("position",)
     if counts is not None and "VALUE_OF_ONE" in line and line.lstrip().removeprefix("channels.").startswith(counted):
         filled = line.replace("VALUE_OF_ONE", f"{math.tau / counts.value:.9g}")
         return f"{filled}  # by {counts.said!r}; over the gear ratio where it is a motor's"
-    return line
+    register = find_register(column) if "VALUE_OF_ONE" in line else None
+    return f"{line.replace('VALUE_OF_ONE', f'{register.worth:g}')}  # {register.said}" if register else line
+
+
+def _choose_rated(facts: dict[str, HeadFact], *, of_current: bool) -> dict[str, HeadFact]:
+    """The facts with that rating as `RATED` which a column is a part of: the torque's, or the current's."""
+    left = {name: fact for name, fact in facts.items() if name not in ("RATED", "RATED_CURRENT")}
+    rated = facts.get("RATED_CURRENT" if of_current else "RATED")
+    return left if rated is None else {**left, "RATED": rated}
 
 
 def find_counts_beside(columns: Mapping[str, Samples]) -> dict[str, HeadFact]:
@@ -151,4 +175,7 @@ def find_counts_beside(columns: Mapping[str, Samples]) -> dict[str, HeadFact]:
 
 def _find_counts(column: str) -> dict[str, HeadFact]:
     match = _BEFORE.search(column)
-    return {"COUNTS_A_TURN": HeadFact(float(match.group(1)), match.group())} if match else {}
+    if match:
+        return {"COUNTS_A_TURN": HeadFact(float(match.group(1)), match.group())}
+    bits = _BITS.search(column)
+    return {"COUNTS_A_TURN": HeadFact(2.0 ** int(bits.group(1) or bits.group(2)), bits.group())} if bits else {}

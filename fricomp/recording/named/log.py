@@ -25,6 +25,7 @@ from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import explain_unit, find_rating_parts, refuse_axis
 from .episodes import join_episodes
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
+from .head_fact import say_head_facts
 from .missing import explain_missing, say_left_out
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_named_columns
@@ -218,12 +219,13 @@ def _to_si(
         found = find_unit(meaning.unit) if meaning.unit else None
         values = columns[column]
         if channel == "torque" and are_counts(column, values):
-            raise RecordingError(
+            asked = (
                 f"{path}: {column!r} holds whole numbers alone and names no unit: counts of a register, or parts of a "
                 f"rating? Say in a mapping what one is worth, such as torque = {{ column = {column!r}, scale = "
                 "VALUE_OF_ONE }, 1.0 where they are amperes or N·m ('fricomp convert LOG --inspect --out log.toml' "
                 "begins one)"
             )
+            raise RecordingError(say_head_facts(path, asked, column, columns))
         if values.size != rows:
             raise RecordingError(f"{path}: {column!r} has {values.size} rows, and the time {rows}")
         converts = found is not None and (found.factor, found.offset) != (1.0, 0.0)

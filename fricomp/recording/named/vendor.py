@@ -9,7 +9,7 @@ import numpy as np
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words, unit_for
 from fricomp.recording.validity import Samples
 
-from .column import RAW_UNIT, ColumnMeaning
+from .column import RAW_UNIT, ColumnMeaning, read_column_name
 from .device_unit import with_device_unit
 
 _TURNS = re.compile(r"(^|[./])servo_stats\.(abs_)?position$")
@@ -51,6 +51,9 @@ _POLICY = re.compile(r"(^|\.)(observation\.state|action)\.[^/]*\.pos$")
 
 _PHOENIX = re.compile(r"(?:^|/)(?:Phoenix6|TalonFXS?|CANcoder)\b[^/]*/.*\b(Position|Velocity)$")
 """Signals of CTRE's Phoenix 6: rotations, and rotations a second."""
+
+_ROTATIONS = re.compile(r"[ _.]rot$", re.IGNORECASE)
+"""A unit behind the word of a position, unless another column is of a joint of that name: `pos_rot`."""
 
 _LARGEST_RAD = 8.0
 """Of such a position, above which it is not in rad."""
@@ -112,6 +115,20 @@ def read_vendor_name(name: str, beside: Mapping[str, Samples]) -> ColumnMeaning 
     return _read_odrive_name(name, beside)
 
 
+def _as_turns(name: str, meaning: ColumnMeaning, beside: Iterable[str]) -> ColumnMeaning | None:
+    """A position that a moteus or a word behind it says to be in turns; None of any other."""
+    if _TURNS.search(name):
+        return replace(meaning, unit="turns", certainty=max(meaning.certainty, 0))
+    is_unit = _ROTATIONS.search(name) and not _is_joint(meaning.joint, beside)
+    return replace(meaning, joint="", unit="turns") if is_unit else None
+
+
+def _is_joint(called: str, beside: Iterable[str]) -> bool:
+    """Whether another quantity than a position is of a joint that is called so."""
+    meanings = (read_column_name(one) for one in beside)
+    return any(one is not None and one.joint == called and not one.channel.startswith("position") for one in meanings)
+
+
 def _read_odrive_name(name: str, beside: Iterable[str]) -> ColumnMeaning | None:
     said = next((one for one in _OF_ODRIVE if re.search(rf"(^|[./_]){re.escape(one)}$", name)), None)
     if said is None or not any(_ODRIVE.search(one) for one in beside):
@@ -139,8 +156,8 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
         return replace(meaning, unit="turns" if register == "POSITION" else "turns/s")
     if meaning.unit not in ("", RAW_UNIT):
         return meaning
-    if meaning.channel == "position" and _TURNS.search(name):
-        return replace(meaning, unit="turns", certainty=max(meaning.certainty, 0))
+    if meaning.channel == "position" and (turns := _as_turns(name, meaning, beside)) is not None:
+        return turns
     if meaning.channel == "position" and _POLICY.search(name) and np.nanmax(np.abs(beside[name])) > _LARGEST_RAD:
         return replace(meaning, unit=UNKNOWN_UNIT)
     phoenix = _PHOENIX.search(name)

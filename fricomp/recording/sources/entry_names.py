@@ -1,13 +1,14 @@
 """Names that stand in a list beside lists of numbers, as in a `JointState`: whose each entry is."""
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from fricomp.recording.quantity_word import count_known
 
-NAMES_OF_ENTRIES = ("name", "names", "joint_names", "joint_name", "joints", "motor_names", "motors")
+NAMES_OF_ENTRIES = ("name", "names", "joint_names", "joint_name", "joints", "motor_names", "motors", "interface_names")
 """What such a list of names is called."""
 
 
@@ -39,12 +40,26 @@ def find_entry_names(record: Mapping[str, Any], called: Collection[str] = NAMES_
     return []
 
 
+@lru_cache
+def _are_quantities(names: tuple[str, ...]) -> bool:
+    return count_known(list(names)) == len(names)
+
+
 def tell_entries_apart(record: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
-    """The record with each list of as many entries as there are names taken apart, as `<name>.<field>`."""
+    """The record with each list of as many entries as there are names taken apart, as `<name>.<field>`.
+
+    Objects in a list that alone is as long are called `<name>`, and so are numbers where the names are of quantities,
+    as `interface_names` of a `DynamicJointState`: the field adds nothing.
+    """
+    told = {
+        field: value
+        for field, value in record.items()
+        if isinstance(value, list | tuple) and len(value) == len(names) and not isinstance(value[0], str)
+    }
+    objects = [isinstance(one, Mapping) for value in told.values() for one in value]
+    says_all = len(told) == 1 and (all(objects) or _are_quantities(tuple(names)))
     result: dict[str, Any] = {}
     for field, value in record.items():
-        is_told = isinstance(value, list | tuple) and len(value) == len(names) and not isinstance(value[0], str)
-        result.update(
-            {f"{name}.{field}": one for name, one in zip(names, value, strict=True)} if is_told else {field: value}
-        )
+        called = [name if says_all else f"{name}.{field}" for name in names]
+        result.update(zip(called, value, strict=True) if field in told else {field: value})
     return result

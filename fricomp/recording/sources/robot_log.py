@@ -241,6 +241,8 @@ def _list_fields(message: Any) -> Iterator[tuple[str, Any]]:
             yield one.name, value.tolist()
         elif isinstance(value, list) and all(isinstance(entry, str) for entry in value):
             yield one.name, value  # whose the numbers beside them are
+        elif isinstance(value, list) and all(map(is_dataclass, value)):
+            yield one.name, [dict(_list_fields(entry)) for entry in value]
         elif isinstance(value, bool | int | float):
             yield one.name, value
 

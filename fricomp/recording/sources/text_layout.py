@@ -49,6 +49,8 @@ _MOST_HEADINGS = 6
 """Lines above the rows among which the names are looked for."""
 _AFTER, _LOOKED_AT = 3, 20
 """Lines below a row that are looked at, and among how many they are looked for."""
+_ADDRESS = re.compile(r"0[xX][0-9A-Fa-f]{4}")
+"""An object of CANopen, as a name."""
 _NO_VALUE = ("null", "none", "n/a", "na", "-", "--", "#n/a", "true", "false")
 """What stands where there is no number."""
 
@@ -154,6 +156,8 @@ def _goes_on(below: Sequence[str], mark: str, first: Sequence[str]) -> bool:
     lines = [one for one in itertools.islice(below, _LOOKED_AT) if one.strip() and not is_comment(one)]
     if not lines or lines[0] is below[-1]:
         return True
+    if _are_addresses(first, split_cells(lines[0], mark)):
+        return False
     rows = [split_cells(line, mark) for line in lines[:_AFTER] if line is not below[-1]]
     places = [k for k, cell in enumerate(first) if is_number(cell)]
     words = any(k < len(row) and row[k] and not _is_value(row[k], first[k]) for row in rows for k in places)
@@ -164,6 +168,12 @@ def _is_fact(cells: Sequence[str], row: Sequence[str]) -> bool:
     """Whether a line says one thing of each column, called by its first cell: `SampleTime [ms];2;2`, above numbers."""
     word = cells[0].strip() if cells else ""
     return bool(word) and word.lower() not in _NO_VALUE and not is_number(word) and bool(row) and is_entry(row[0])
+
+
+def _are_addresses(cells: Sequence[str], row: Sequence[str]) -> bool:
+    """Whether all numbers of a line are addresses of registers, `0x6064`, above other numbers: it has the names."""
+    numbers = [(cell, below) for cell, below in zip(cells, row, strict=False) if is_entry(cell)]
+    return bool(numbers) and all(_ADDRESS.match(cell) and not _ADDRESS.match(below) for cell, below in numbers)
 
 
 def _is_value(cell: str, like: str) -> bool:
@@ -195,7 +205,7 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     headings: list[_Heading] = []
     first, cells = row, split_cells(lines[row], mark)
     for line in _list_above(lines[:row], mark, width):
-        if not any(map(is_entry, line.cells)):
+        if _are_addresses(line.cells, cells) or not any(map(is_entry, line.cells)):
             headings.append(line)
         elif _is_fact(line.cells, cells):
             continue

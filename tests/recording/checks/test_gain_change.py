@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.recording import Recording, check_recording
-from fricomp.recording.checks.gain_change import locate_torque_step
+from fricomp.recording.checks.torque_step import locate_torque_step
 
 from ..joint_log import COULOMB, VISCOUS, joint_log
 

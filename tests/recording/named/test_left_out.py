@@ -22,7 +22,7 @@ def _write(path: Path, **more: np.ndarray) -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", ["vel_rps", "w_unfiltered_x", "foo7"])
+@pytest.mark.parametrize("name", ["vel_xyz", "w_unfiltered_x", "foo7"])
 def test_a_column_that_is_not_used_is_named(name: str, tmp_path: Path) -> None:
     log = read_named_log(_write(tmp_path / "log.csv", **{name: np.asarray(LOG.velocity)}))
     assert any("not used" in note and repr(name) in note for note in log.notes)
@@ -30,9 +30,9 @@ def test_a_column_that_is_not_used_is_named(name: str, tmp_path: Path) -> None:
 
 def test_one_that_is_called_as_a_quantity_stands_first_and_the_others_are_counted(tmp_path: Path) -> None:
     others = {f"foo{k}": np.asarray(LOG.time) + k for k in range(9)}
-    log = read_named_log(_write(tmp_path / "log.csv", **others, vel_rps=np.asarray(LOG.velocity)))
+    log = read_named_log(_write(tmp_path / "log.csv", **others, vel_xyz=np.asarray(LOG.velocity)))
     (said,) = [note for note in log.notes if "not used" in note]
-    assert "not used: 'vel_rps'" in said
+    assert "not used: 'vel_xyz'" in said
     assert "4 more" in said
 
 
