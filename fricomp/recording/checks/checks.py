@@ -7,6 +7,7 @@ lengths) is refused where the recording is made; here is what a valid recording 
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 from fricomp.recording.checks.copied import find_copied_torque
 from fricomp.recording.checks.degrees import find_degrees
@@ -83,6 +84,8 @@ _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other thing
     find_silent_torque,
 )
 _ORDER = {"error": 0, "warning": 1, "note": 2}
+_FOUND = WeakKeyDictionary[Recording, tuple[Finding, ...]]()
+"""What was found in each recording that is still held."""
 
 
 class CheckedRecording(NamedTuple):
@@ -96,8 +99,14 @@ def check_recording(recording: Recording) -> tuple[Finding, ...]:
     """Return everything that may mislead about a recording, the gravest first.
 
     A finding of severity "error" means that no friction can be identified from the recording as it
-    is; `raise_errors` turns such findings into an exception.
+    is; `raise_errors` turns such findings into an exception. A recording never changes, so it is looked at once.
     """
+    if recording not in _FOUND:
+        _FOUND[recording] = _look_for_all(recording)
+    return _FOUND[recording]
+
+
+def _look_for_all(recording: Recording) -> tuple[Finding, ...]:
     findings = [finding for check in _CHECKS for finding in check(recording)]
     if not any(finding.code in ("wrap", "degrees") for finding in findings):
         findings += [finding for check in _OF_UNWRAPPED for finding in check(recording)]

@@ -2,6 +2,8 @@
 
 import io
 import json
+import math
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,13 +15,17 @@ from fricomp.errors import RecordingError
 from fricomp.recording.sources.columns import Columns, Contents
 
 _CHILD = (
+    "import resource; resource.setrlimit(resource.RLIMIT_CPU, ({patience}, {patience} + 9))\n"
     "import json, sys; sys.path[:] = json.loads(sys.argv[1])\n"
     "from importlib import import_module; import_module({module!r}).write_variables(sys.argv[2])"
 )
 _REFUSED = 3
 """Exit status of a child that says why on its standard error."""
 _PATIENCE, _SLOWEST = 30.0, 5e6
-"""How long a file may take to read [s], and bytes a second of a large one: some damage leads a parser in circles."""
+"""Processor time that a file may take to read [s], and bytes a second of a large one: some damage leads a parser in
+circles."""
+_SHARED = 20.0
+"""How much longer it may take where others use the processor too, or it waits for the disk."""
 
 
 def make_call(module: str, path: Path) -> list[str]:
@@ -29,8 +35,17 @@ def make_call(module: str, path: Path) -> list[str]:
         module: Its `write_variables` takes the path and ends in `write_contents` or `refuse`.
         path: Of the file.
     """
-    child = _CHILD.format(module=module)
+    child = _CHILD.format(module=module, patience=math.ceil(find_patience(path)))
     return [sys.executable, "-W", "ignore", "-c", child, json.dumps(sys.path), str(path.absolute())]
+
+
+def find_patience(path: Path) -> float:
+    """Processor time that a file may take to read [s].
+
+    Args:
+        path: Of the file.
+    """
+    return _PATIENCE + path.stat().st_size / _SLOWEST
 
 
 def read_in_process(module: str, path: Path, kind: str) -> Contents:
@@ -44,13 +59,16 @@ def read_in_process(module: str, path: Path, kind: str) -> Contents:
     Raises:
         RecordingError: It is damaged, or refused.
     """
-    patience = _PATIENCE + path.stat().st_size / _SLOWEST
+    patience, call = find_patience(path), make_call(module, path)
+    endless = f"{path} is no {kind} file: its reader came to no end in {patience:.0f} s"
     try:
         done = subprocess.run(
-            make_call(module, path), check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=patience
+            call, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=_SHARED * patience
         )
     except subprocess.TimeoutExpired as error:
-        raise RecordingError(f"{path} is no {kind} file: its reader came to no end in {patience:.0f} s") from error
+        raise RecordingError(endless) from error
+    if done.returncode == -signal.SIGXCPU:
+        raise RecordingError(endless)
     if done.returncode == _REFUSED:
         raise RecordingError(f"{path} {done.stderr.decode(errors='replace')}")
     if done.returncode:
