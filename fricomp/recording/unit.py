@@ -15,6 +15,8 @@ _POUND_FORCE = 4.4482216152605
 _INCH = 0.0254
 _NEAR_LEVELS = 50.0
 """Steps between two levels within which their number is sure."""
+_MANY = 200_000
+"""Rows of a position by which its step is told; of more, every second, third or later one."""
 _MOST_COUNTS = 200_000
 """Counts a turn of an encoder whose step is told by them."""
 
@@ -105,7 +107,7 @@ def find_unit(name: str) -> Unit:
 
 def find_position_step(position: Samples) -> float | None:
     """Return the step of a quantised position [as position], or None where it is not quantised."""
-    levels = np.unique(position)
+    levels = np.unique(position[:: max(1, position.size // _MANY)])
     gaps = np.diff(levels)
     gaps = gaps[gaps > 1e-9 * max(np.abs(levels).max(), 1e-300)]
     if gaps.size < 20:

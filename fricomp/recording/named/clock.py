@@ -145,7 +145,9 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     split = _find_split_stamp(columns)
     stamps = [name for name in find_stamps(columns) if split is None or name not in split]
     stamps = [name for name in stamps if split is None or np.isfinite(columns[name]).any()]
-    names = _prefer_even(columns, sorted(stamps, key=lambda name: not _rises(columns[name])))
+    if len(stamps) > 1:
+        stamps = _prefer_even(columns, sorted(stamps, key=lambda name: not _rises(columns[name])))
+    names = stamps
     if split is not None and not names:
         whole, rest, one = split
         seconds, parts = columns[whole], columns[rest]

@@ -53,6 +53,13 @@ def read_measured(cell: str) -> tuple[str, float, float] | None:
     return (number, _TIME_WORDS[word.lower()], 0.0) if word.lower() in _TIME_WORDS else None
 
 
+def read_measured_si(cell: str) -> str:
+    """The unit of SI of the number in one cell, `rad` of `12.3°`; empty where it is a time or has no unit."""
+    match = _MEASURED.fullmatch(cell.strip().replace("\u2212", "-"))
+    unit = UNITS.get(read_unit(match.group(2))) if match else None
+    return "" if unit is None else unit.si
+
+
 def is_entry(cell: str) -> bool:
     """Whether a cell is a number, a date or a list of numbers."""
     if cell[:1] in ("[", "("):

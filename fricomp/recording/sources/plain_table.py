@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from fricomp.recording.unit_word import find_unit_words
 
-from .cell import is_number, parse_number, read_measured
+from .cell import is_number, parse_number, read_measured, read_measured_si
 from .labelled_rows import join_rows, tabulate_labelled
 from .octave_text import tabulate_variables
 from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
@@ -230,14 +230,16 @@ def _without_units(lines: Sequence[str], layout: TextLayout) -> list[str] | None
     """The table with bare numbers in place of cells such as `12.3°`; None where there are none.
 
     They are in SI where the name of the column states no unit, because programs that write the unit into the cell
-    choose it by the size of the number; else they are left as they are.
+    choose it by the size of the number, and that unit stands behind the name; else they are left as they are.
     """
     row = split_cells(lines[layout.rows_line], layout.delimiter) if layout.rows_line < len(lines) else []
     measured = [k for k, cell in enumerate(row) if read_measured(cell)]
     if not measured or not layout.delimiter:
         return None
     said = [bool(find_unit_words(name, -1)) for name in layout.names]
-    plain = [_join(layout.names, layout.delimiter)]
+    units = {k: read_measured_si(row[k]) for k in measured if k < len(said) and not said[k]}
+    names = [f"{name} [{units[k]}]" if units.get(k) else name for k, name in enumerate(layout.names)]
+    plain = [_join(names, layout.delimiter)]
     for line in lines[layout.rows_line :]:
         if line.strip() and not is_comment(line):
             cells = split_cells(line, layout.delimiter)

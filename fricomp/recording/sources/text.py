@@ -183,7 +183,8 @@ def _find_decimal(source: Source) -> str:
 def _find_index(key: Column, header: list[str]) -> int | None:
     if isinstance(key, int):
         return key - 1 if key > 0 else None
-    return header.index(key) if key in header else None
+    names = header if key in header else [name.partition(" [")[0] for name in header]  # with the unit of its cells
+    return names.index(key) if key in names else None
 
 
 def _names_only(header: list[str], indices: dict[Column, int]) -> Columns:

@@ -114,3 +114,20 @@ def test_a_joint_to_convert_need_not_be_called_as_in_the_log(tmp_path: Path) -> 
     assert found.recording.metadata.joint == "left_knee"
     with pytest.raises(RecordingError, match="valid are left_knee, left_hip"):
         select_recordings(read_source(path, Intake()), ["left"])
+
+
+def test_the_unit_in_each_cell_stands_behind_the_name_of_its_column(tmp_path: Path) -> None:
+    rows = [
+        f"{t:.4f},{np.degrees(q):.5f}°,{1e3 * u:.3f} mN·m" for t, q, u in zip(LOG.time, POSITION, TORQUE, strict=True)
+    ]
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(["Time,elbow position,elbow torque", *rows, ""]))
+    log = read_named_log(path)
+    assert not any("nothing tells the unit" in note for note in log.notes)
+    np.testing.assert_allclose(log.recordings[0].position, POSITION, atol=1e-6)
+    (tmp_path / "log.toml").write_text(
+        '[source]\nheader = true\ndelimiter = ","\n[channels]\ntime = { column = "Time" }\n'
+        'position = { column = "elbow position" }\ntorque = { column = "elbow torque" }\n'
+    )
+    (found,) = convert(path, load_mapping(tmp_path / "log.toml"))
+    np.testing.assert_allclose(found.recording.torque, TORQUE, atol=1e-5)
