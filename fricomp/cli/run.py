@@ -74,7 +74,7 @@ def run(
     """
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import choose_adapter
-    from fricomp.cli.option.motion_log import claim_log, log_run
+    from fricomp.cli.option.motion_log import claim_log, log_runs
     from fricomp.cli.option.page import open_page, watching
     from fricomp.cli.output import answer
     from fricomp.cli.terminal import console
@@ -97,6 +97,7 @@ def run(
     title = f"Run of {', '.join(model.joint for model in friction)}"
     with (
         claim_log(log, overwrite=overwrite),
+        log_runs(log, friction) as runs,
         claim_folder(out, RUN, overwrite=overwrite, inputs=models) as claim,
         watching(title, live=live, opened=open_report) as feed,
     ):
@@ -108,8 +109,8 @@ def run(
                 compensators = setup.compensators(gain) if name == "with" else None
                 loop = setup.loop(sine, compensators, priority)
                 record(loop.log, setup.metadata())
+                runs.append(loop.log)
                 results[name] = _follow(name, adapter, loop, sine.duration, feed)
-        log_run(log, results, friction)
         figures = _write_results(results, friction, out, 1.0 / rate)
     _print(figures, friction, results["with"])
     answer({"joints": [model.joint for model in friction], "out": out, **figures})

@@ -19,6 +19,7 @@ from fricomp.joint import CommandMode
 from fricomp.laws import Cogging, FrictionLaw, Stribeck, StribeckCurve, Viscous
 from fricomp.model import FrictionModel, Provenance, Validity, save_model
 from fricomp.recording import read_recording
+from fricomp.recording.named.log import read_named_log
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter
 
 
@@ -136,10 +137,14 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path, model: Path, monkeypatch
 
     monkeypatch.setattr(SineReference, "sample", interrupted)
     out = tmp_path / "run"
-    result = CliRunner().invoke(app, ["run", str(model), "--out", str(out)])
+    log = tmp_path / "run.mcap"
+    result = CliRunner().invoke(app, ["run", str(model), "--out", str(out), "--log", str(log)])
     assert result.exit_code == 130
     assert "the joints are at zero torque" in result.output
-    assert read_recording(out / "without_compensation_joint.csv").duration == pytest.approx(0.6, abs=0.01)
+    kept = read_recording(out / "without_compensation_joint.csv")
+    assert kept.duration == pytest.approx(0.6, abs=0.01)
+    (logged,) = read_named_log(log).recordings
+    assert logged.position == pytest.approx(kept.position)
 
 
 def test_ctrl_c_claims_no_zero_torque_where_the_stop_did_not_get_through(

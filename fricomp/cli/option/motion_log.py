@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +14,7 @@ from fricomp.errors import FricompError, ParameterError
 
 if TYPE_CHECKING:
     from fricomp.calibration.sweep import Calibration
-    from fricomp.control import LoopResult
+    from fricomp.control.loop.loop_log import LoopLog
     from fricomp.laws import FloatArray
     from fricomp.model import FrictionModel
 
@@ -50,13 +50,21 @@ def claim_log(path: Path | None, *, overwrite: bool) -> Iterator[None]:
         yield
 
 
-def log_run(path: Path | None, results: Mapping[str, LoopResult], models: Sequence[FrictionModel]) -> None:
-    """Write the runs one after the other; nothing where no log is wanted."""
-    if path is None:
-        return
+@contextmanager
+def log_runs(path: Path | None, models: Sequence[FrictionModel]) -> Iterator[list[LoopLog]]:
+    """Take the logs of runs, and write them one after the other however these end; nothing where no log is wanted."""
+    runs: list[LoopLog] = []
+    try:
+        yield runs
+    finally:
+        moved = [log for log in runs if len(log) > 1]
+        if path is not None and moved:
+            _write_runs(path, moved, models)
+
+
+def _write_runs(path: Path, logs: Sequence[LoopLog], models: Sequence[FrictionModel]) -> None:
     from fricomp.recording.mcap_file import write_mcap
 
-    logs = [result.log for result in results.values()]
     starts = np.cumsum([0.0, *(float(log.time[-1]) + _GAP for log in logs)])
     time = np.concatenate([log.time + start for log, start in zip(logs, starts, strict=False)])
     references = ("position_reference", "velocity_reference")
