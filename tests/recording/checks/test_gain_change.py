@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.recording import Recording, check_recording
+from fricomp.recording.checks import checks
 from fricomp.recording.checks.torque_step import locate_torque_step
 
 from ..joint_log import COULOMB, VISCOUS, joint_log
@@ -126,3 +127,33 @@ def test_strokes_at_several_speeds_by_a_coarse_encoder_are_no_step(seed: int, pe
     time = np.asarray(period * np.arange(velocity.size), dtype=np.float64)
     log = Recording(time, np.round(period * np.cumsum(velocity), 2), torque)
     assert _list_codes(log) == []
+
+
+@pytest.mark.parametrize(("rate", "seed"), [(80.0, 11), (400.0, 13)])
+@pytest.mark.parametrize("factors", [(1.4, 1.0), (0.7, 1.3)])
+def test_a_torque_that_changes_twice_is_told_with_both_times(
+    factors: tuple[float, float], rate: float, seed: int
+) -> None:
+    log = joint_log(45.0, rate, seed)
+    part = np.linspace(0.0, 1.0, len(log), endpoint=False)
+    size = np.select([part < 0.35, part < 0.65], [1.0, factors[0]], factors[1])
+    log = log.with_channels(torque=size * np.asarray(log.torque))
+    (found,) = [one for one in check_recording(log) if one.code == "gain_change"]
+    assert found.message.count("times as large from") == 2
+    to, between, start = found.advice.partition("(")[2].partition(")")[0].split(", ")
+    begin, end = (float(one) for one in between.removeprefix("--from ").split(" --to "))
+    for piece in (
+        log.window(0.0, float(to.removeprefix("--to "))),
+        log.window(begin, end),
+        log.window(float(start.removeprefix("--from ")), 46.0),
+    ):
+        assert _list_codes(piece) == []
+
+
+def test_a_recording_is_looked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    log, looks = joint_log(6.0, 100.0, 5), []
+    whole = checks._look_for_all
+    monkeypatch.setattr(checks, "_look_for_all", lambda one: looks.append(one) or whole(one))
+    assert check_recording(log) is check_recording(log)
+    check_recording(log.with_channels(velocity=None))
+    assert [one is log for one in looks] == [True, False]
