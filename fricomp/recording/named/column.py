@@ -11,7 +11,7 @@ from .object_name import find_object
 
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
-_MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0}
+_MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0, "mean": 0}
 _MEASURED |= {"mech": 0, "mechanical": 0}
 _MEASURED |= {"filtered": 0, "filt": 0, "active": 0, "in": 0, "ang": 0, "angular": 0, "dreh": 0}
 _MEASURED |= {"измеренный": 2, "измеренная": 2, "измеренное": 2, "фактический": 2, "факт": 2, "угловая": 0, "실제": 2}
@@ -46,7 +46,8 @@ poles.
 _AXES = ("i", "current", "currents", "curr", "cur", "amps", "strom", "voltage", "volt", "spannung")
 """Words beside which `q` and `d` are axes of the field."""
 
-_NO_CHANNEL = ("err", "error", "errors", "constant", "kt", "limit", "limits", "dimensions", "inertia")
+_NO_CHANNEL: tuple[str, ...] = ("err", "error", "errors", "constant", "kt", "limit", "limits", "dimensions", "inertia")
+_NO_CHANNEL += ("std", "stdev", "stddev", "sd", "stderr", "sem", "variance")
 """Words of what is worked out from a channel, bounds it, or makes another one of it."""
 _SWITCHES = ("enable", "enabled", "mode", "status", "flag", "fault", "id")
 _OF_PATHS = (*_SWITCHES, "model")

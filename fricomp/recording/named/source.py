@@ -197,6 +197,8 @@ def _require_layout(path: Path, lines: Sequence[str]) -> TextLayout:
     if layout is None:
         refuse_bytes(path, lines)
         shown = next((line.strip() for line in lines if line.strip()), "")[:60]
+        if not shown:
+            raise RecordingError(f"{path} is empty: give a table with one column a quantity")
         raise RecordingError(
             f"{path} has no rows of numbers below its first line {shown!r}: give a table with one column a quantity"
         )

@@ -141,6 +141,10 @@ def refuse_damage(path: Path, kind: Format) -> Iterator[None]:
 def _guess_format(path: Path) -> Format:
     if path.is_dir():
         refuse_data_set(path)
+        if not (path / "metadata.yaml").is_file():
+            raise RecordingError(
+                f"{path} is a folder, and no bag (which has a metadata.yaml): give the log inside of it"
+            )
         return "rosbag2"
     if path.suffix.lower() not in SUFFIXES:
         if is_text(path):

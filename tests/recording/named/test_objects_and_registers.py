@@ -131,3 +131,17 @@ def test_the_unit_in_each_cell_stands_behind_the_name_of_its_column(tmp_path: Pa
     )
     (found,) = convert(path, load_mapping(tmp_path / "log.toml"))
     np.testing.assert_allclose(found.recording.torque, TORQUE, atol=1e-5)
+
+
+def test_means_are_the_joints_and_their_deviations_are_none(tmp_path: Path) -> None:
+    spread = 1e-3 * np.abs(np.sin(7.0 * np.asarray(LOG.time)))
+    path = _write(tmp_path / "log.csv", "t,pos_mean,pos_std,tau_mean,tau_std", POSITION, spread, TORQUE, spread)
+    (recording,) = read_named_log(path).recordings
+    assert recording.metadata.joint == "joint"
+    np.testing.assert_allclose(recording.position, POSITION, atol=1e-6)
+
+
+def test_a_folder_that_is_no_bag_is_told_as_such(tmp_path: Path) -> None:
+    (tmp_path / "replay.zarr" / "data").mkdir(parents=True)
+    with pytest.raises(RecordingError, match="give the log inside of it"):
+        read_source(tmp_path / "replay.zarr", Intake())
