@@ -9,8 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.recording import Finding, Recording, check_recording, resample
-from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING
+from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING, find_one_way
 from fricomp.recording.checks.timing_checks import find_gap_length
+from fricomp.recording.checks.torque_sensor import find_torque_gain
+from fricomp.recording.checks.unit_checks import find_velocity_mismatch
 from fricomp.recording.parts.parts import LeftOut, UsableParts, find_usable_parts
 
 from .past import Past
@@ -20,6 +22,8 @@ from .track import FloatArray
 PART_OF = "part_of"
 """Key of a part's metadata for the number of the recording that it is of, counted from 0."""
 
+_TOLD = (find_velocity_mismatch, find_one_way, find_torque_gain)
+"""Checks of each part whose findings are remarks; all of them were made of the whole recording."""
 _FATAL_WARNINGS = SHOWS_NO_SLIDING | {"one_way", "degrees_likely"}
 _LEAST = 2.0  # [s] of a part; shorter ones hold no stretch that can be held out
 _MOST_PARTS = 12  # of one recording: the longest; the kernel runs sixteen joints a call
@@ -212,7 +216,7 @@ def remarks_on(recordings: Sequence[Recording], names: Sequence[str] = ("",)) ->
         if gaps is not None and gaps.size:
             most = 1e3 * float(gaps.max())
             remarks.append(f"{prefix}{gaps.size} gap(s) in time were bridged, the longest {most:.3g} ms.")
-        for finding in check_recording(recording):
+        for finding in (one for check in _TOLD for one in check(recording)):
             if finding.code == "velocity_scale":
                 factor = _velocity_factor(recording)
                 remarks.append(
