@@ -52,6 +52,8 @@ def locate_torque_steps(recording: Recording) -> list[TorqueStep]:
     Two changes that take each other back are no step of the whole recording, or one of friction: they are looked for in
     halves of it, and believed where all of them together explain it.
     """
+    if average_motion(recording) is None:
+        return []
     step = locate_torque_step(recording)
     found = [step] if step is not None and step.is_gain else []
     size = len(recording)
