@@ -3,11 +3,9 @@
 import re
 from dataclasses import dataclass
 
-from fricomp.recording.quantity_word import TOKEN, WANTED, WORDS, split_words
+from fricomp.recording.quantity_word import TOKEN, WANTED, WORDS, find_object, split_words
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
-
-from .object_name import find_object
 
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}

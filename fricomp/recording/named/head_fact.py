@@ -20,7 +20,6 @@ from fricomp.recording.unit_word import read_unit
 from fricomp.recording.validity import Samples
 
 from .column import read_column_name
-from .register_name import find_register
 
 _PER_TURN = r"(?:/|per|a|pro)[ _]*(?:rev\w*|turn|umdrehung)"
 _OBJECT = r"(?:\s*[\[(]?0x[0-9a-f]{4}(?:[:.]\d+)?[\])]?)?"
@@ -52,6 +51,29 @@ _BEFORE = re.compile(rf"(\d+)[ _]*(?:cpr(?![a-z])|(?:counts?|cts|inc(?:r|rements
 _RATES = {"": 1.0, "hz": 1.0, "khz": 1e3, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0, "1/s": 1.0}
 _STEPS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 """What one of a unit is [Hz] or [s]."""
+
+
+_PRESENT = re.compile(r"(?:^|[./ _])present[_ ]?(position|velocity|current)(?:[_ .\[]?\d+\]?)?$", re.IGNORECASE)
+"""Registers of a Dynamixel X, as its programs call the columns [robotis2024]."""
+
+
+class Register(NamedTuple):
+    """What one of a register is.
+
+    Attributes:
+        worth: In SI.
+        said: The same in words.
+    """
+
+    worth: float
+    said: str
+
+
+_WORTH = {
+    "position": Register(0.00153398, "4096 a turn of a Dynamixel X"),
+    "velocity": Register(0.0239808, "0.229 rpm of a Dynamixel X"),
+    "current": Register(0.00269, "2.69 mA of most Dynamixel X, 1 mA of XL330 and XC330: see its manual"),
+}
 
 
 class HeadFact(NamedTuple):
@@ -179,3 +201,13 @@ def _find_counts(column: str) -> dict[str, HeadFact]:
         return {"COUNTS_A_TURN": HeadFact(float(match.group(1)), match.group())}
     bits = _BITS.search(column)
     return {"COUNTS_A_TURN": HeadFact(2.0 ** int(bits.group(1) or bits.group(2)), bits.group())} if bits else {}
+
+
+def find_register(name: str) -> Register | None:
+    """The register that a column is called as, `Present_Position`, `servo.present_current_2`; None of any other.
+
+    Args:
+        name: Of the column.
+    """
+    found = _PRESENT.search(name)
+    return _WORTH[found.group(1).lower()] if found else None
