@@ -12,6 +12,7 @@ import pytest
 
 from fricomp.arm import ArmExamination, examine_arm
 from fricomp.arm.examination import match_recordings
+from fricomp.arm.friction import JointForm
 from fricomp.arm.identification import identify_arm
 from fricomp.arm.search.early_torque import EarlyTorques
 from fricomp.arm.search.judge import Estimate
@@ -139,6 +140,15 @@ def test_a_joint_whose_links_look_late_and_whose_friction_turns_early_has_no_del
 def test_torques_are_held_where_links_ask_early_and_friction_earlier(links: float, friction: float, held: bool) -> None:
     """Beside 2.7 ms ahead; where links ask before friction turns, a gear gives way."""
     assert _measure(links, friction).are_held(-2.7e-3) == held
+
+
+@pytest.mark.parametrize("term", ["backlash", "joint_elasticity"])
+def test_a_joint_whose_gear_lets_its_link_go_has_no_early_torque(term: str) -> None:
+    """Beside a gap that was found, links and friction asked for 5 ms more, and the joint was told to be early."""
+    torques = _measure(-6.0, -6.0)
+    torques._fit.model = SimpleNamespace(forms=(JointForm(((term, 0),)), JointForm()))  # type: ignore[misc, assignment]
+    assert torques.holds(0)
+    assert not torques.shows(0, None)  # type: ignore[arg-type]
 
 
 @pytest.mark.slow

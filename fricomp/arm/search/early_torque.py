@@ -18,7 +18,7 @@ from fricomp.laws import FloatArray
 
 from ..equations import ArmEquations
 from ..fit import ArmFit
-from ..friction import TERMS
+from ..friction import GEARS, TERMS
 from ..glance import Glance
 from ..rows import ArmRows
 from .judge import Estimate, JointJudge
@@ -48,13 +48,14 @@ class EarlyTorques:
         self.measure = cache(self._measure)
 
     def shows(self, joint: int, glance: Glance) -> bool:
-        """Whether this joint's torque is surely before those of most others, in both of its parts.
+        """Whether this joint's torque is surely before those of most others, in both of its parts, by no gear.
 
         Args:
             joint: Its number.
             glance: At the fit.
         """
-        return is_before_most(glance, self._fit, joint) and self.holds(joint)
+        geared = any(TERMS[name].filled in GEARS for name in self._fit.model.forms[joint].names)
+        return not geared and is_before_most(glance, self._fit, joint) and self.holds(joint)
 
     def holds(self, joint: int) -> bool:
         """Whether both what links ask of this joint and what rubs in it were recorded early."""

@@ -87,10 +87,10 @@ class GearMotion:
         samples = [np.empty((len(time), 2, len(gears)), order="F") for time, _ in rows.clocks]
         for i, gear in enumerate(gears):
             coupling = Coupling(inertia, gear.stiffness, gear.damping, 0.5 * gear.width)
-            for load, (position, _, __), (time, period), own in zip(
-                self._carry(joint), rows.motion, rows.clocks, samples, strict=True
-            ):
-                twist = compute_twist(np.ascontiguousarray(position[:, joint]), period, load, coupling)
+            for load, part, (time, period), own in zip(
+                self._carry(joint), rows.parts, rows.clocks, samples, strict=True
+            ):  # as recorded: smoothed, a motor that is let go and turns at once would cross a part of the gap unseen
+                twist = compute_twist(np.ascontiguousarray(part.position[:, joint]), period, load, coupling)
                 curvature = np.gradient(np.gradient(twist, period), period)
                 curvature[time < time[0] + _UNKNOWN] = 0.0
                 own[:, 0, i], own[:, 1, i] = twist, curvature
