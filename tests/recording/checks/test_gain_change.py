@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.recording import Recording, check_recording
+from fricomp.recording import Finding, Recording, check_recording
 from fricomp.recording.checks import checks
 from fricomp.recording.checks.torque_step import locate_torque_step
 
@@ -151,9 +151,14 @@ def test_a_torque_that_changes_twice_is_told_with_both_times(
 
 
 def test_a_recording_is_looked_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    log, looks = joint_log(6.0, 100.0, 5), []
+    log, looks = joint_log(6.0, 100.0, 5), list[Recording]()
     whole = checks._look_for_all
-    monkeypatch.setattr(checks, "_look_for_all", lambda one: looks.append(one) or whole(one))
+
+    def look(one: Recording) -> tuple[Finding, ...]:
+        looks.append(one)
+        return whole(one)
+
+    monkeypatch.setattr(checks, "_look_for_all", look)
     assert check_recording(log) is check_recording(log)
     check_recording(log.with_channels(velocity=None))
     assert [one is log for one in looks] == [True, False]
