@@ -187,7 +187,7 @@ def _compute_move(residual: FloatArray, jacobian: FloatArray, box: Box, train: F
     A = (jacobian[train] * box.scale)[:, free]
     prior = raise_diagonal(box.scaled_precision[np.ix_(free, free)], CONFIRMATION.least_diagonal)
     step = np.zeros(box.scale.size)
-    step[free] = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
+    step[free] = np.linalg.lstsq(A.T @ A + prior, -A.T @ residual[train], rcond=1e-12)[0]
     result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
     return result
 

@@ -24,7 +24,13 @@ _SAME_FACTOR = ("payload_error", "torque_gain_error")
 
 
 def compare_rigid(
-    plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str, tolerances: Tolerances, acceleration: float
+    plant: Plant,
+    covariance: FloatArray,
+    given: RigidJoint,
+    unit: str,
+    tolerances: Tolerances,
+    acceleration: float,
+    least: float = PARAMETERS.significant,
 ) -> Comparison:
     """Compare inertia and gravity with the simulation's.
 
@@ -35,6 +41,7 @@ def compare_rigid(
         unit: Unit of torque.
         tolerances: How far the refitted parameters stray beyond what the fit knows of its own error.
         acceleration: RMS of the motion's [rad/s²].
+        least: Fall of chi squared that what moved must bring.
     """
     static = _list_static(plant, given)
     refit = np.array([plant.inertia / given.inertia, *(one.refitted for one in static)])
@@ -54,7 +61,7 @@ def compare_rigid(
     if _shows_gravity(prior, covariance + floor):
         hypotheses["torque_gain_error"] = prior[:, None]
     scores, _ = weigh_hypotheses(shift, weight, hypotheses)
-    if scores[""] - min(scores.values()) < PARAMETERS.significant or not _matters(shift, plant, given, acceleration):
+    if scores[""] - min(scores.values()) < least or not _matters(shift, plant, given, acceleration):
         return Comparison()
     # What moved strays by a part of its own size as well: that tells no hypothesis from another.
     own = np.array([abs(shift[0]), *[float(np.linalg.norm(shift[1:]))] * len(static)])

@@ -227,6 +227,7 @@ class ParameterSettings:
     Attributes:
         significant: Fall of chi squared that a moved parameter must bring: five standard deviations. A smaller value
             names parameters that slightly wrong forms of friction bend.
+        shown: The same where data left out show that one has moved: three standard deviations.
         simpler: Chi squared that one more parameter must be worth: two standard deviations.
         split: Standard deviation of half the difference of the directions, over the Coulomb torque, on joints with
             nothing missing. A joint that slides shows the sum of that and the offset; presliding alone tells the two
@@ -250,6 +251,7 @@ class ParameterSettings:
     """
 
     significant: float = 25.0
+    shown: float = 9.0
     simpler: float = 4.0
     split: float = 0.22
     strong: float = 8.0

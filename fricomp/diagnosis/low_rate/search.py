@@ -172,7 +172,10 @@ def _find_spring(
     own = fit_held_out(replace_gravity(base.model, given), motion, held)
     spring = add_spring(own, motion)
     fit = fit_held_out(spring.model, motion, spring.held)
-    return (own, spring, fit) if fit.rms <= base.rms and _is_worth(spring, (own, fit), level) else None
+    if fit.rms > base.rms or not _is_worth(spring, (own, fit), level):
+        return None
+    as_well = base.rms**2 <= (1.0 + LOW_RATE.alike) * fit.rms**2
+    return own, replace(spring, alike=("payload_error",) if as_well else ()), fit
 
 
 def _is_worth(one: Candidate, fits: tuple[Fitted, Fitted], level: float) -> bool:

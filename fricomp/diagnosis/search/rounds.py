@@ -70,14 +70,14 @@ def _search_with_bristle(
     baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
 ) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
     """Search again with friction that holds, where more than noise is left beside friction that creeps; keep it where
-    it leaves less. Creep draws much of what another curve over speed does, and hides the rest of it."""
+    it leaves none. Creep draws much of what another curve over speed does, and hides the rest of it."""
     if found.leading is None or measure_left(baseline, found) <= SEARCH.something_left:
         return base, baseline, found
     tell("searching again, with friction that holds")
     holding = partial(base, holds=True)
     other = holding()
     again = search(other)
-    kept = again.best is not None and measure_left(other, again) < measure_left(baseline, found)
+    kept = again.best is not None and measure_left(other, again) <= SEARCH.something_left
     return (holding, other, again) if kept else (base, baseline, found)
 
 
