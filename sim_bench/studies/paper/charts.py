@@ -38,7 +38,7 @@ def draw_benchmark_charts(ledger: RowStore) -> list[Chart]:
     return [
         _draw_data(),
         *([_draw_convergence(noise_free)] if noise_free else []),
-        *(_ours(reading) for reading in _READINGS),
+        *(_draw_own(reading) for reading in _READINGS),
         *(_draw_course(row) for row in rows),
         *(_draw_errors(ledger, reading) for reading in known),
     ]
@@ -85,11 +85,11 @@ def _find_median_and_best(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _compute_mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
     """Thousands of iterations and mean |error| [%], down to rounding."""
-    error = [PaperProblem().mean_error(values) for values in row["course"]]
+    error = [PaperProblem().compute_mean_error(values) for values in row["course"]]
     return np.array(row["fitness"])[:, 0] / _THOUSAND, np.maximum(error, 1e-13)
 
 
-def _ours(reading: Reading) -> Chart:
+def _draw_own(reading: Reading) -> Chart:
     draw = PaperProblem().draw(reading, 0)
     result = identify(draw.velocity, draw.torque, noise="absolute" if reading == "none" else reading)
     traces = result.traces
@@ -127,7 +127,7 @@ def _draw_directions(step: FloatArray, course: FloatArray, label: str) -> list[P
 
 def _draw_errors(ledger: RowStore, reading: Reading) -> Chart:
     rows = ledger.rows(study="statistics", reading=reading)
-    errors = np.sort([PaperProblem().mean_error(row["values"]) for row in rows])
+    errors = np.sort([PaperProblem().compute_mean_error(row["values"]) for row in rows])
     share = np.linspace(0.0, 1.0, len(errors))
     marks = (Line(errors, share, "ours"), Rule(_PINN.average, "x", "printed for the paper's PINN, one draw"))
     panel = Panel(marks, "mean |error| of a draw [%]", "share of draws")

@@ -102,6 +102,6 @@ class PaperProblem:
         true = np.array(self.true_values)
         return np.asarray(100.0 * np.abs(values - true) / true)
 
-    def mean_error(self, values: Sequence[float] | FloatArray) -> float:
+    def compute_mean_error(self, values: Sequence[float] | FloatArray) -> float:
         """Mean of `error_percent` [%]."""
         return float(np.mean(self.error_percent(np.array(values))))

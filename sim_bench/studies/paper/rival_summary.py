@@ -73,7 +73,7 @@ def _collect_noise_free(method: str, starts: str, iterations: int, rows: Sequenc
 
 
 def _compute_mean_error(row: dict[str, Any]) -> float:
-    return PaperProblem().mean_error(row["values"])
+    return PaperProblem().compute_mean_error(row["values"])
 
 
 def find_best_adam(ledger: RowStore, reading: Reading) -> list[dict[str, Any]]:

@@ -83,7 +83,7 @@ def run_adam_study(ledger: RowStore, starts: int, steps: int, progress: Progress
         for seed, row in zip(missing, train(problem.draw("none", 0), spread, missing) if missing else [], strict=True):
             ledger.append(row | {"seed": seed})
     rows = ledger.rows(**known, reading="none")
-    best = min(rows, key=lambda row: problem.mean_error(row["values"]))
+    best = min(rows, key=lambda row: problem.compute_mean_error(row["values"]))
     for reading in NOISE_READINGS:
         if not ledger.rows(**known, reading=reading):
             ledger.append(*train(problem.draw(reading, 0), best["spread"], [best["seed"]]))

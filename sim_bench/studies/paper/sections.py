@@ -20,7 +20,7 @@ from .targets import judge_targets
 from .timing import OURS, summarise_timing
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def _write_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return format_markdown_table(heads, rows) + "\n"
 
 
@@ -34,7 +34,7 @@ def _select_largest(ledger: RowStore, study: str) -> list[dict[str, Any]]:
 def format_target_table(ledger: RowStore) -> str:
     """What was wanted beside what was measured."""
     rows = [[t.what, t.wanted, t.measured, "yes" if t.reached else "**no**"] for t in judge_targets(ledger)]
-    return _table(["what", "wanted", "measured", "reached"], rows)
+    return _write_table(["what", "wanted", "measured", "reached"], rows)
 
 
 def format_printed_table(printed: Sequence[PrintedRow], ledger: RowStore, readings: Sequence[Reading]) -> str:
@@ -43,8 +43,8 @@ def format_printed_table(printed: Sequence[PrintedRow], ledger: RowStore, readin
     for row in printed:
         rows += _list_pair(f"{row.method} (paper)", row.values, f"{row.average:.4f}")
     for reading in readings:
-        rows += [line for name, values in _ours(ledger, reading) for line in _list_pair(name, values, "")]
-    return _table(["method", "", *PARAMETERS, "average printed", "average recomputed"], rows)
+        rows += [line for name, values in _list_own(ledger, reading) for line in _list_pair(name, values, "")]
+    return _write_table(["method", "", *PARAMETERS, "average printed", "average recomputed"], rows)
 
 
 def _list_pair(name: str, values: Sequence[float], printed: str) -> list[list[str]]:
@@ -56,7 +56,7 @@ def _list_pair(name: str, values: Sequence[float], printed: str) -> list[list[st
     ]
 
 
-def _ours(ledger: RowStore, reading: Reading) -> list[tuple[str, Sequence[float]]]:
+def _list_own(ledger: RowStore, reading: Reading) -> list[tuple[str, Sequence[float]]]:
     study = "noise_free" if reading == "none" else "statistics"
     wanted = {} if reading == "none" else {"reading": reading}
     noise = "" if reading == "none" else f", {reading} noise"
@@ -86,7 +86,7 @@ def format_noise_free_section(ledger: RowStore) -> str:
         f"solves for the other six parameters: {ours.from_start} of {ours.runs} trainings meet the data to rounding "
         f"from there, the others from the projection's own start; {ours.converged} report `converged`. `this training "
         "alone` and Adam take all eight parameters as they are drawn, and nothing comes after. With noise Adam starts "
-        "from the best of its starts.\n\n" + _table(heads, rows)
+        "from the best of its starts.\n\n" + _write_table(heads, rows)
     )
 
 
@@ -101,7 +101,8 @@ def format_statistics_section(ledger: RowStore, reading: Reading) -> str:
         ["RMS error / bound", *(f"{r:.3f}" for r in f.rms_over_bound)],
         ["coverage of 95 % intervals [%]", *(f"{100.0 * c:.1f}" for c in f.coverage)],
     ]
-    return f"**{reading} noise, {f.draws} draws**\n\n" + _table(["", *PARAMETERS], rows) + "\n" + _format_remarks(f)
+    table = _write_table(["", *PARAMETERS], rows)
+    return f"**{reading} noise, {f.draws} draws**\n\n{table}\n{_format_remarks(f)}"
 
 
 def _format_remarks(f: StatisticsFigures) -> str:
@@ -123,7 +124,7 @@ def format_search_section(ledger: RowStore) -> str:
         "method", "length", "noise", "draws", "mean error [%]", "ours [%]", "NLL above ours, median", "largest",
         "draws > 0.01", "ours above theirs, largest",
     ]  # fmt: skip
-    return _table(heads, rows)
+    return _write_table(heads, rows)
 
 
 def _list_search(f: SearchFigures, reading: str) -> list[str]:
@@ -151,7 +152,7 @@ def format_timing_section(ledger: RowStore) -> str:
         for f in figures
     ]
     heads = ["noise", "method", "length", "processor time [s]", "/ ours", "until at the optimum [s]", "/ ours"]
-    return _table(heads, rows) if rows else ""
+    return _write_table(heads, rows) if rows else ""
 
 
 def format_outlier_section(ledger: RowStore) -> str:
@@ -170,7 +171,7 @@ def format_outlier_section(ledger: RowStore) -> str:
         "coverage of their 95 % intervals [%]", "errors above 5 deviations", "of them reported as `converged`",
         "draws not reported `converged`",
     ]  # fmt: skip
-    return _table(heads, rows)
+    return _write_table(heads, rows)
 
 
 def format_departure_section(ledger: RowStore) -> str:
@@ -196,7 +197,7 @@ def _tabulate_networks(
     ]
     networks = ["exported network", "data-driven network"]
     heads = ["joint", points, "data sets", f"{near}: closed form", *networks, f"{far}: closed form", *networks]
-    return _table([*heads, "network departed"], rows)
+    return _write_table([*heads, "network departed"], rows)
 
 
 def format_extras_section(ledger: RowStore) -> str:

@@ -112,7 +112,7 @@ def _search(
 def _find_at_optimum(found: Comparison, draw: Draw) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     """Of each recorded iteration."""
     if draw.reading == "none":
-        return np.array([PaperProblem().mean_error(values) <= _FREE_ERROR for values in found.course])
+        return np.array([PaperProblem().compute_mean_error(values) <= _FREE_ERROR for values in found.course])
     return np.asarray(found.fitness[:, 1] <= find_optimum(draw).negative_log_likelihood + _GAP)
 
 
