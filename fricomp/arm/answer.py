@@ -22,7 +22,7 @@ from .physics import is_whole
 from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
-from .search.own_delay import measure_own_delay
+from .search.own_delay import measure_own_delay, refine_delays
 from .search.stribeck import hold_curve, suit_curve
 from .uncertainty.scatter import widen_covariance
 
@@ -196,7 +196,9 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, heads[key])}
         if not weak:
             final = replace(found, fit=widened, equations=equations)
-            delays = tuple(measure_own_delay(rows, equations, widened, prior, j) for j in range(len(arm.joints)))
+            # Only now: taken earlier while terms are chosen, the torque of a joint that is late by chance makes others.
+            moved, late = refine_delays(rows, equations, widened, prior)
+            delays = tuple(measure_own_delay(rows, late, moved, prior, j) for j in range(len(arm.joints)))
             return ArmAnswer(final, evidence, errors, delays)
         less = fit.model
         for joint, term in _choose_weakest(weak):

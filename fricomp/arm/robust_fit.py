@@ -9,7 +9,6 @@ from .physics import hold_at_zero
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .rows import ArmRows
-from .search.own_delay import refine_delays
 from .search.ripple import refine_ripples
 from .search.stribeck import refine_stribeck
 
@@ -46,7 +45,6 @@ def fit_robustly(
         equations = fresh.with_residuals(fit.residuals(fresh), rows, settled=settled)
         fit = fit_arm(arm, equations, model, prior, fit)
     fit, equations = refine_ripples(rows, equations, fit, prior)
-    fit, equations = refine_delays(rows, equations, fit, prior)
     fit, equations = refine_stribeck(rows, equations, fit, prior)
     held = hold_at_zero(fit) if settled else fit.model
     if held == fit.model:
