@@ -60,7 +60,7 @@ class ArmModel:
     @property
     def geared(self) -> bool:
         """Whether a gear of some joint has a gap or gives way."""
-        return any(TERMS[name].filled in GEARS for form in self.forms for name in form.names)
+        return any(form.geared for form in self.forms)
 
 
 class Coordinates:

@@ -237,6 +237,11 @@ class JointForm:
         """Names of the terms, in the order in which they were taken in."""
         return tuple(name for name, _ in self.terms)
 
+    @property
+    def geared(self) -> bool:
+        """Whether its gear has a gap or gives way."""
+        return any(TERMS[name].filled in GEARS for name in self.names)
+
     def has_other_form(self, name: str) -> bool:
         """Whether another term is a form of the same effect."""
         family = TERMS[name].family

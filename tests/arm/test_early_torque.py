@@ -60,8 +60,8 @@ def test_a_later_one_is_said_to_be_later(tmp_path: Path) -> None:
 
 
 def test_a_command_through_a_drive_that_lags_is_a_torque_that_is_recorded_first(tmp_path: Path) -> None:
-    """u = tau + T tau', which is no shift where friction turns round; what the term left there was friction that creeps
-    ahead of the joint, and the delay was given up for it."""
+    """Where friction turns round, u = tau + T tau' is more than tau a little later. Friction that creeps drew the rest
+    and took the place of the delay."""
     simulation, lag = write_arm(tmp_path), 0.011
     recordings = record_arm(simulation, duration=_DURATION)
     elbow = recordings[_ELBOW]

@@ -18,7 +18,7 @@ from fricomp.laws import FloatArray
 
 from ..equations import ArmEquations
 from ..fit import ArmFit
-from ..friction import GEARS, TERMS
+from ..friction import TERMS
 from ..glance import Glance
 from ..rows import ArmRows
 from .judge import Estimate, JointJudge
@@ -54,8 +54,9 @@ class EarlyTorques:
             joint: Its number.
             glance: At the fit.
         """
-        geared = any(TERMS[name].filled in GEARS for name in self._fit.model.forms[joint].names)
-        return not geared and is_before_most(glance, self._fit, joint) and self.holds(joint)
+        return (
+            not self._fit.model.forms[joint].geared and is_before_most(glance, self._fit, joint) and self.holds(joint)
+        )
 
     def holds(self, joint: int) -> bool:
         """Whether both what links ask of this joint and what rubs in it were recorded early."""
@@ -116,15 +117,13 @@ class EarlyTorques:
 
     def _measure(self, joint: int) -> Estimate:
         """By how much later than all the torque of the links is, and that of friction [s]. Shapes (2,)."""
-        own = float(self._equations.own_delays[joint])  # about which its own delay is linear
         (name,) = TERMS[_DELAY].names(0)
         column = self._equations.friction_of(joint, [name])[:, 0]
-        left = self._fit.residuals(self._equations)[:, joint] - own * column
+        left = self._fit.residuals(self._equations)[:, joint]
         judge = JointJudge(self._equations, self._fit, joint, left, term=_DELAY, delay=False)
         links, friction = (part[:, joint] for part in self._fit.predict(self._equations))
         rubbed = friction - self._fit.friction(joint).get(name, 0.0) * column
-        found = judge.estimate(-np.stack([self._differentiate(part) for part in (links, rubbed)], axis=1))
-        return found._replace(values=found.values + own)
+        return judge.estimate(-np.stack([self._differentiate(part) for part in (links, rubbed)], axis=1))
 
     def _differentiate(self, values: FloatArray) -> FloatArray:
         rate, part = np.zeros_like(values), self._rows.part

@@ -32,11 +32,7 @@ def refine_delays(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: Ar
         fit: Of these equations.
         prior: How far the simulation is trusted.
     """
-    own = np.where([_find(fit, j) is not None for j in range(len(fit.arm.joints))], equations.own_delays, 0.0)
-    if np.any(own != equations.own_delays):
-        equations = equations.with_torque(rows, own)
-        fit = fit_arm(fit.arm, equations, fit.model, prior, fit)
-    for j in range(len(own)):
+    for j in range(len(fit.arm.joints)):
         before, moved = 0.0, 0.0
         for _ in range(_ROUNDS if _find(fit, j) is not None else 0):
             value, deviation = _read(fit, j)

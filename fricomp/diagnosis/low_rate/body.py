@@ -14,7 +14,7 @@ from ..evidence.rigid_comparison import compare_rigid
 from ..evidence.settings import PARAMETERS
 from ..inputs.rigid import RigidJoint
 from ..joint.observer import Plant
-from .held_out import Fitted, compute_fall, fit_held_out, measure_acceleration, measure_level, read_number
+from .held_out import Fitted, fit_held_out, is_better, measure_acceleration, measure_level, read_number
 from .models import replace_gravity
 from .settings import LOW_RATE
 
@@ -30,26 +30,24 @@ _STRAYS = Tolerances(
 twice that."""
 
 
-def compare_body(rigid: RigidJoint | None, fit: Fitted, motion: RecordedMotion) -> Comparison:
+def compare_body(rigid: RigidJoint, given: Fitted, fit: Fitted, motion: RecordedMotion) -> Comparison:
     """What of the simulation's body is off by more than the recording leaves open and than is told at such rates.
 
     Where data left out say that it is off, its numbers need less to be told: four folds know little of how they stray.
 
     Args:
-        rigid: The simulation; None where there is none.
+        rigid: The simulation.
+        given: With its body.
         fit: With all that was named.
         motion: What it was fitted to.
     """
-    if rigid is None:
-        return Comparison()
     inertia, cosine, sine, offset = (read_number(fit.model, name) for name in _NUMBERS)
     level = measure_level(fit, motion)
     curve = (level, level, 1.0, 0.0)
     plant = Plant(inertia, (cosine, sine), offset, curve, curve, sigma_0=1.0)
     strays = np.array([LOW_RATE.certain / 1.96 * fit.deviation(name) for name in _NUMBERS])
     covariance = np.diag((strays / np.array([inertia, 1.0, 1.0, 1.0])) ** 2)
-    fall, agreed, ends = compute_fall(fit_as_given(rigid, fit, motion), fit)
-    is_shown = fall >= LOW_RATE.search_matters and agreed >= LOW_RATE.agreeing and ends[0] > 0.0
+    is_shown = is_better(given, fit, LOW_RATE.search_matters)
     least = PARAMETERS.shown if is_shown else PARAMETERS.significant
     found = compare_rigid(plant, covariance, rigid, motion.torque_unit, _STRAYS, measure_acceleration(motion), least)
     moved = {one.name: abs(one.refitted.value - one.given) for one in found.changes}

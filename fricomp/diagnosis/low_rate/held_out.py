@@ -81,6 +81,12 @@ def compute_fall(before: Fitted, after: Fitted) -> tuple[float, float, tuple[flo
     return fall, float(np.mean(energies[1] < energies[0])), (float(low), float(high))
 
 
+def is_better(before: Fitted, after: Fitted, matters: float) -> bool:
+    """Whether the error on data left out falls surely, nearly everywhere, and by a part of its energy that matters."""
+    fall, agreed, ends = compute_fall(before, after)
+    return fall >= matters and agreed >= LOW_RATE.agreeing and ends[0] > 0.0
+
+
 def measure_level(fit: Fitted, motion: RecordedMotion) -> float:
     """Size of the sliding friction of a fit over the motion [N·m]."""
     speed = np.concatenate([part.smooth_velocity[part.moves] for part in motion.parts])

@@ -12,7 +12,7 @@ from fricomp.model import FrictionModel
 
 from ..inputs.rigid import RigidJoint
 from ..record.result import Rival
-from .held_out import Fitted, compute_fall, fit_held_out, measure_level, read_number
+from .held_out import Fitted, compute_fall, fit_held_out, is_better, measure_level, read_number
 from .models import (
     Candidate,
     add_drag,
@@ -187,14 +187,12 @@ def _is_worth(one: Candidate, fits: tuple[Fitted, Fitted], level: float) -> bool
         level: Of the sliding friction [N·m].
     """
     before, after = fits
-    fall, agreed, ends = compute_fall(before, after)
     size = float(np.sqrt(max(before.rms**2 - after.rms**2, 0.0)))
-    sure = fall >= one.matters and agreed >= LOW_RATE.agreeing and ends[0] > 0.0
     own = [name for name in one.numbers if name in after.model.law.parameters() and not name.endswith("order")]
     sizes = [abs(read_number(after.model, name)) for name in own]
     strays = [LOW_RATE.certain * after.deviation(name) for name in own]
     known = not own or float(np.hypot.reduce(sizes)) > float(np.hypot.reduce(strays))
-    return sure and known and size >= LOW_RATE.of_friction * one.shown * level
+    return is_better(before, after, one.matters) and known and size >= LOW_RATE.of_friction * one.shown * level
 
 
 def _keep_best_of_each(rivals: Sequence[Rival]) -> tuple[Rival, ...]:

@@ -59,12 +59,15 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
     noise = _measure_noise(given.recordings, motion)
     floor = min(noise or np.inf, max(found.last.rms, 1e-300))  # the torque of a held row shows no noise
     is_unknown = _leaves_much(found, motion, noise)
-    body = Comparison() if is_unknown else compare_body(given.rigid, found.last, motion)
-    alone = given.rigid if body.shifts and not effects else None  # the simulation, where its body is all that is off
-    before = found.base if alone is None else fit_as_given(alone, found.last, motion)
+    before, body = found.base, Comparison()
+    if given.rigid is not None and not is_unknown:
+        as_given = fit_as_given(given.rigid, found.last, motion)
+        body = compare_body(given.rigid, as_given, found.last, motion)
+        before = as_given if body.shifts and not effects else before  # its body is all that is off
+    is_alone = before is not found.base
     fall, _, ends = compute_fall(before, found.last)
     explained = float(np.clip(fall / max(1.0 - (floor / before.rms) ** 2, 1e-12), 0.0, 1.0))
-    effects += tuple(one.to_effect(0.0 if alone is None else explained) for one in body.shifts)
+    effects += tuple(one.to_effect(explained if is_alone else 0.0) for one in body.shifts)
     word = _choose_word(effects, is_unknown=is_unknown)
     delivery = _deliver(given, motion, found, effects)
     fields = DiagnosisRecord(
@@ -75,7 +78,7 @@ def write_answer(given: Given, motion: RecordedMotion, found: Found, remarks: Se
         heldout=HeldOut(
             rmse_before=before.rms, rmse_after=found.last.rms, noise_floor=floor, unit=motion.torque_unit,
             ci95_reduction=ends, explained=explained if effects else 0.0,
-            before="refitted" if alone is None else "given",
+            before="given" if is_alone else "refitted",
         ),
         noise_ratio=found.base.rms / floor,
         coverage=explained if effects else None,

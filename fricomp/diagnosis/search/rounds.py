@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from ..effects.structure import N_BASE
+from .explanation import Explanation
 from .late_creep import does_creep, find_late_creep
 from .late_joint import find_far_joint, measure_left
 from .late_noise import remeasure_noise
@@ -56,11 +57,10 @@ def _search_with_creep(
         return base, baseline, found
     tell("searching again, with friction that creeps")
     creeping = partial(base, creeps=creeps.fit.theta[:N_BASE])
-    try:
-        other = creeping()
-        again = search(other, creeps)
-    except (FloatingPointError, np.linalg.LinAlgError):  # without the effects such a joint may run away
+    begun = _begin_again(creeping, creeps)
+    if begun is None:
         return base, baseline, found
+    other, again = begun
     is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
     kept = is_clear or measure_left(other, again) < measure_left(baseline, found)
     return (creeping, other, again) if kept else (base, baseline, found)
@@ -75,10 +75,21 @@ def _search_with_bristle(
         return base, baseline, found
     tell("searching again, with friction that holds")
     holding = partial(base, holds=True)
-    other = holding()
-    again = search(other)
-    kept = again.best is not None and measure_left(other, again) <= SEARCH.something_left
-    return (holding, other, again) if kept else (base, baseline, found)
+    begun = _begin_again(holding)
+    if begun is None or begun[1].best is None or measure_left(*begun) > SEARCH.something_left:
+        return base, baseline, found
+    return holding, *begun
+
+
+def _begin_again(
+    base: Callable[..., Baseline], known: Explanation | None = None
+) -> tuple[Baseline, SearchResult] | None:
+    """The base fitted anew, and what is found from it; None where such a joint runs away without its effects."""
+    try:
+        other = base()
+        return other, search(other, known)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        return None
 
 
 def _search_from_joint(
