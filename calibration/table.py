@@ -10,9 +10,9 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording.named.choice import choose_columns
-from fricomp.recording.named.clock import find_stamps
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name
 from fricomp.recording.named.source import explain_unnamed, read_layout, read_named_columns
+from fricomp.recording.named.times.clock import find_stamps
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.text import cut_rows, read_lines

@@ -265,11 +265,19 @@ def _list_rests(rule: ChannelRule) -> list[tuple[Column, float]]:
     return [(column, one) for column, one in rests if column is not None]
 
 
+def _read_signs(rule: ChannelRule, values: Samples) -> Samples:
+    """The numbers of a register with their signs, as the rule says that they are stored."""
+    if rule.sign_bit is not None:
+        values = np.where(values >= 2.0**rule.sign_bit, 2.0**rule.sign_bit - values, values)
+    if rule.signed_bits is not None:
+        values = np.where(values >= 2.0 ** (rule.signed_bits - 1), values - 2.0**rule.signed_bits, values)
+    return values
+
+
 def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done: dict[str, Samples]) -> Samples:
     rule = plan.channels[name]
     values = _origin(rule, plan, columns, rows, done)
-    if rule.signed_bits is not None:
-        values = np.where(values >= 2.0 ** (rule.signed_bits - 1), values - 2.0**rule.signed_bits, values)
+    values = _read_signs(rule, values)
     for rest, one in _list_rests(rule):
         values = values - values[:1] + one * _take(find_column(columns, plan.key(rest)), rows)
     if rule.times is not None:

@@ -81,6 +81,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         rate: Rows a second [Hz]; only for time, where the source has no clock.
         integral_of: Another channel whose integral over time this one is, from zero.
         signed_bits: The source stores a signed number of so many bits as an unsigned one.
+        sign_bit: The source stores the size of a number, with its sign in this bit, counted from 0.
         nanoseconds: Only for time, whose column holds whole seconds since some day: that of the rest of its stamp. The
             first row is then at its rest.
         microseconds: The same where the rest is in microseconds.
@@ -106,6 +107,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     rate: _Positive | None = None
     integral_of: str | None = None
     signed_bits: Annotated[int, Meta(ge=1, le=64)] | None = None
+    sign_bit: Annotated[int, Meta(ge=1, le=63)] | None = None
     nanoseconds: Column | None = None
     microseconds: Column | None = None
     milliseconds: Column | None = None

@@ -11,15 +11,15 @@ TOKEN = re.compile(
 
 _QUANTITIES = {
     "position": """q pos position positions angle angles theta qpos winkel posizione phi ang displacement stroke weg
-        posicion posicao positie poloha pozycja angulo angolo hoek vinkel угол положение позиция координата кут θ φ
+        lage posicion posicao positie poloha pozycja angulo angolo hoek vinkel угол положение позиция координата кут θ φ
         位置 角度 角 转角 轉角 각도 위치""",
-    "velocity": """dq qd qdot vel velo velocity velocities speed omega spd qvel dtheta thetadot geschwindigkeit
+    "velocity": """dq qd qdot geschw vel velo velocity velocities speed omega spd qvel dtheta thetadot geschwindigkeit
         drehzahl vitesse velocidad velocidade velocita snelheid hastighet rychlost predkosc скорость швидкість ω
         角速度 速度 转速 轉速 回転数 각속도 속도""",
     "acceleration": "ddq qdd qddot acc acceleration accelerations qacc beschleunigung ускорение",
     "torque": """tau torque torques effort efforts eff moment trq torq tq tor force drehmoment kraft couple coppia
         koppel vridmoment pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",
-    "current": """current currents amps iq curr strom courant corriente corrente ток струм 电流 電流 전류""",
+    "current": """current currents amps iq iqf curr strom courant corriente corrente ток струм 电流 電流 전류""",
     "temperature": "temp temperature temperatures temperatur температура 温度 溫度 온도",
 }
 """Words for a quantity, in small letters without accents: English, and those of spreadsheets in other languages.
@@ -48,11 +48,15 @@ _JOINED = re.compile(
 WANTED: tuple[str, ...] = (
     *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired"),
     *("target", "targets", "goal", "goals", "setpoint", "setpoints", "soll", "set", "demand", "demanded", "consigne"),
-    *("action", "actions"),
+    *("action", "actions", "sp"),
     *("目标", "目標", "指令", "期望", "设定", "목표", "지령"),
     *("заданный", "заданная", "заданное", "задание", "уставка"),
 )
 """Words of what a joint is asked for."""
+
+
+_BRACKETS = re.compile(r"\[[^\[\]]*\D[^\[\]]*\]|\([^()]*\)")
+"""What stands in brackets behind a name and is no number: a unit, such as `[reference unit]`."""
 
 
 def _simplify_letters(word: str) -> str:
@@ -87,7 +91,7 @@ def count_known(names: list[str]) -> int:
 
 def says_asked_for(name: str) -> bool:
     """Whether a column or topic is called as what a joint was asked for: `q_ref`, `/arm/goal`, a policy's `action`."""
-    return any(word in WANTED for word, _ in split_words(name))
+    return any(word in WANTED for word, _ in split_words(_BRACKETS.sub("", name)))
 
 
 _OBJECTS = {

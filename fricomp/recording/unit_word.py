@@ -13,11 +13,14 @@ UNKNOWN_UNIT = "?"
 _SPELLED = {
     "deg": "deg degree degrees grad mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg cdeg=cdeg cdegrees=cdeg"
     " mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
-    "turns": "turn turns rev revs revolution revolutions rot rots rotation rotations",
+    "gon": "gon gons gradian gradians",
+    "arcmin": "arcmin arcmins arcminute arcminutes arcsec=arcsec arcsecs=arcsec arcseconds=arcsec",
+    "turns": "turn turns rev revs revolution revolutions rot rots rotation rotations mrev=mturns mrevs=mturns"
+    " mturn=mturns mturns=mturns",
     "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
     "rad/s": "rad/s radps mrad/s=mrad/s mdeg/s=mdeg/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
     " radians·per·second degrees·per·second=deg/s",
-    "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин",
+    "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин krpm=krpm",
     "turns/s": "turns/s turn/s rev/s rot/s rps hz",
     "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s м/с мм/с=mm/s",
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
@@ -67,7 +70,7 @@ _ATOMS = frozenset(
         ),
         *("rev", "turn", "a", "ma", "v", "mv", "w", "kw", "kg", "kgf", "g", "gf", "lb", "lbf", "oz", "ozf", "in", "ft"),
         *("qc", "qcs", "pulse", "pulses", "count", "counts", "bit", "bits", "per", "thousand", "hundred", "mille"),
-        *("permille", "permil", "promille", "percent", "rated", "nominal"),
+        *("permille", "permil", "promille", "percent", "rated", "nominal", "reference"),
         *("hz", "khz", "pu", "j", "c", "k", "pa", "bar", "inc", "lsb", "cnt", "cts", "digit", "digits", "u"),
         *("click", "clicks", "native", "user", "unit", "units", "microsteps"),
     ]
@@ -114,6 +117,7 @@ _SYMBOLS = {
 """Words in which a unit is spelled out, and the symbols that they are."""
 _SHORT = (
     *("mdeg", "cdeg", "mrad", "rpm", "rps", "dps", "radps", "degps", "nm", "mnm", "nmm", "ncm", "cnm", "knm", "ma"),
+    *("gon", "arcmin", "arcsec", "mrev", "mrevs", "mturns", "krpm"),
     *("mm", "cm", "kg", "kgf", "kgcm", "kgfcm", "ozin", "inlb", "inlbf", "ftlb", "ftlbf", "lbft", "lbin"),
 )
 """Units in a few letters that mean nothing else as a word of their own: `speedRpm`."""

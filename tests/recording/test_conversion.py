@@ -368,3 +368,11 @@ def test_a_folder_without_any_file_of_the_mapping_is_refused_with_those_it_knows
     (tmp_path / "other.csv").write_text("1,2,3\n")
     with pytest.raises(RecordingError, match=r"no file that the mapping knows: it has log\.csv"):
         convert(tmp_path, _mapping(f'[[files]]\nname = "a"\nfile = "log.csv"\n{_NUMBERED}'))
+
+
+def test_a_sign_in_a_bit_of_its_own_is_read(tmp_path: Path) -> None:
+    counts = np.array([5, 1024 + 5, 0, 1023, 1024 + 1000] * 40)
+    np.save(tmp_path / "log.npy", np.column_stack([TIME, np.sin(TIME), counts]))
+    rules = "time = { column = 1 }\nposition = { column = 2 }\ntorque = { column = 3, sign_bit = 10, scale = 0.5 }\n"
+    recording = _one(tmp_path / "log.npy", f"[channels]\n{rules}")
+    assert recording.torque[:5].tolist() == [2.5, -2.5, 0.0, 511.5, -500.0]

@@ -1,10 +1,11 @@
-"""A torque without its sign: a current as a meter shows it, or as the size of a vector."""
+"""A torque without its sign: a current as a meter shows it, or as the size of a vector; or with its sign in a bit."""
 
 from itertools import combinations
 
 import numpy as np
 
-from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design
+from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design, fit_joint
+from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples
@@ -16,6 +17,8 @@ _ROUNDS = 10
 """Times that signs are taken from the joint that was fitted with the last ones."""
 _LEAVES = 0.5
 """What a torque with its sign restored may leave unexplained, over what it leaves as it is."""
+_SIGN_BITS = (7, 9, 10, 11, 12, 14, 15)
+"""Bits, counted from 0, in which registers have a sign: the last of a byte or two, and those above the sizes."""
 _TURNED = 0.05
 """Least part of the rows whose sign was lost."""
 
@@ -26,12 +29,37 @@ def find_lost_sign(recording: Recording) -> tuple[Finding, ...]:
     size = float(np.max(np.abs(torque)))
     if np.ptp(torque) == 0.0 or min(float(np.max(torque)), -float(np.min(torque))) > _BELOW_ZERO * size:
         return ()
+    bit = _find_sign_bit(recording)
+    if bit is not None:
+        message = f"torque is stored as a size, with its sign in bit {bit} of its register, and was read as one number"
+        advice = (
+            f"write sign_bit = {bit} into the channel of a mapping where its column holds the counts ('fricomp convert "
+            "LOG --inspect' has a mapping to edit); a velocity of the same device may need one as well"
+        )
+        return (Finding("sign_bit", "error", message, advice, column="torque"),)
     motion = average_motion(recording)
     if motion is None or not _has_lost_sign(motion, np.abs(torque), rotary=recording.metadata.motion == "rotary"):
         return ()
     message = "torque never changes its sign, and is the torque of a joint where it does: it is a size without its sign"
     advice = "log the signed torque or current, such as the one of the torque axis (Iq), and not its size or its RMS"
     return (Finding("lost_sign", "error", message, advice, column="torque"),)
+
+
+def _find_sign_bit(recording: Recording) -> int | None:
+    """The bit of a torque's register with its sign, where it is a joint's once it is read so; None where none is."""
+    torque = np.asarray(recording.torque)
+    quantum = measure_quantum(torque, most_levels=1.0)
+    if quantum <= 0.0 or float(np.min(torque)) < 0.0:
+        return None
+    as_it_is = fit_joint(recording)
+    for bit in _SIGN_BITS:
+        above = torque >= quantum * (2.0**bit - 0.5)
+        if not _TURNED < np.mean(above) < 1.0 - _TURNED or np.max(torque) >= quantum * 2.0 ** (bit + 1):
+            continue
+        read = fit_joint(recording, np.where(above, quantum * 2.0**bit - torque, torque))
+        if read is not None and read.can_be and (as_it_is is None or read.residual < _LEAVES * as_it_is.residual):
+            return bit
+    return None
 
 
 def _has_lost_sign(motion: BlockMotion, size: Samples, *, rotary: bool) -> bool:

@@ -11,7 +11,6 @@ from fricomp.recording.checks.checks import check_recording
 from fricomp.recording.file import is_own, read_content
 from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import TORQUES
-from fricomp.recording.named.clock import find_stamps
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from fricomp.recording.named.log import NamedLog, are_counts, separate_joints
 from fricomp.recording.named.quantity_files import read_quantity_files
@@ -21,6 +20,7 @@ from fricomp.recording.named.source import (
     read_named_columns,
     read_unnamed_columns,
 )
+from fricomp.recording.named.times.clock import find_stamps
 from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
@@ -146,16 +146,19 @@ def _propose(path: Path, columns: Mapping[str, Samples], *, numbered: bool) -> s
 
 
 def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) -> Guess:
-    """The guess with the joint that the names say, where one column is called position and one torque."""
+    """The guess with the joint that the names say, where one column is called position and one torque.
+
+    Where none is called a torque, and the numbers show no joint, with the position alone.
+    """
     called = {
         channel: [name for name, one in meanings.items() if one is not None and one.channel == channel]
         for channel in ("position", "velocity", *TORQUES)
     }
     torque = next((called[one] for one in TORQUES if called[one]), [])
-    if len(called["position"]) != 1 or len(torque) != 1:
+    if len(called["position"]) != 1 or len(torque) > 1 or (guess.joints and not torque):
         return guess
     velocity = called["velocity"][0] if len(called["velocity"]) == 1 else ""
-    return guess._replace(joints=(GuessedJoint(called["position"][0], velocity, torque[0], 1.0),))
+    return guess._replace(joints=(GuessedJoint(called["position"][0], velocity, next(iter(torque), ""), 1.0),))
 
 
 def _list_others(columns: Mapping[str, Samples]) -> list[str]:

@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 from fricomp.recording.named.choice import INTEGRAL
-from fricomp.recording.named.clock import AT_RATE, PARTS_OF_SECONDS, says_steps
 from fricomp.recording.named.column import ColumnMeaning
 from fricomp.recording.named.log import NamedLog
 from fricomp.recording.named.source import choose_topics, read_layout
+from fricomp.recording.named.times.clock import AT_RATE, PARTS_OF_SECONDS, says_steps
 from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
 

@@ -10,11 +10,12 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.joint_fit import fit_joint
-from fricomp.recording.named.clock import TIME_UNITS, find_stamps
 from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
 from fricomp.recording.named.head_fact import fill_head_facts
 from fricomp.recording.named.source import read_layout
+from fricomp.recording.named.times.clock import TICK, find_stamps
+from fricomp.recording.named.times.stamp_unit import TIME_UNITS, are_known_ticks
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
@@ -66,7 +67,7 @@ class Guess(NamedTuple):
 
     Attributes:
         time: Name of the column that rises; empty where none does.
-        unit: Of it.
+        unit: Of it; empty where it counts ticks of a size that is not known.
         joints: In the order of their positions.
         nanoseconds: Name of the column beside one of whole seconds; empty where the time is one column.
     """
@@ -103,9 +104,14 @@ def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = ()) -
 
 
 def _find_time(columns: Mapping[str, Samples]) -> tuple[str, str, Samples, str]:
-    """Name, unit and values [s] of the time, and the name of its nanoseconds; an empty name where none rises."""
+    """Name, unit and values [s] of the time, and the name of its nanoseconds; an empty name where none rises.
+
+    Ticks of unknown size have no unit, and are the values as they are.
+    """
     for name, values in columns.items():
         if _is_time(values) and not (_counts_rows(values) and _says_other(name)):
+            if TICK.search(name) and not are_known_ticks(values):
+                return name, "", values - values[0], ""
             step = float(np.median(np.diff(values)))
             unit = next(one for most, one in TIME_UNITS if step <= most)
             return name, unit, (values - values[0]) * find_unit(unit).factor, ""
@@ -224,7 +230,8 @@ def render_guess(
     if guess.time:
         column = str if numbered else lambda name: render_column(name, layout)
         rest = f", nanoseconds = {column(guess.nanoseconds)}" if guess.nanoseconds else ""
-        lines += [f'time = {{ column = {column(guess.time)}, unit = "{guess.unit}"{rest}, from_zero = true }}']
+        worth = f'unit = "{guess.unit}"' if guess.unit else "scale = 1/TICKS_A_SECOND"
+        lines += [f"time = {{ column = {column(guess.time)}, {worth}{rest}, from_zero = true }}"]
     else:
         lines += ["time = { rate = ROWS_A_SECOND }  # no column is seen to be a time"]
     several = len(guess.joints) > 1

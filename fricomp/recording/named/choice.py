@@ -23,6 +23,7 @@ from .column import (
     simplify_joint,
     without_observation,
 )
+from .device_unit import is_duty
 from .position_by_rate import find_position_by_rate
 from .shared_rest import read_currents, read_shared_rests
 from .two_encoders import pair_encoders
@@ -59,7 +60,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
     candidates = _drop_shared_words(_find_candidates(path, columns, channels))
     wanted = _with_temperature(candidates, _choose_joints(candidates))
     chosen = {
-        joint: {channel: _choose_one(path, channel, found) for channel, found in own.items()}
+        joint: _without_duty({channel: _choose_one(path, channel, found) for channel, found in own.items()})
         for joint, own in wanted.items()
     }
     taken = {name for own in candidates.values() for found in own.values() for name, _ in found}
@@ -247,6 +248,12 @@ def _choose_one(path: Path, channel: str, found: Sequence[tuple[str, ColumnMeani
     return best[0]
 
 
+def _without_duty(own: dict[str, tuple[str, ColumnMeaning]]) -> dict[str, tuple[str, ColumnMeaning]]:
+    """Column and meaning by channel without a duty cycle for a torque, where another column stands for one."""
+    is_needless = "torque" in own and is_duty(own["torque"][0]) and any(one in own for one in TORQUES[1:])
+    return {channel: one for channel, one in own.items() if not (is_needless and channel == "torque")}
+
+
 def _with_position(
     columns: Mapping[str, Samples], own: dict[str, tuple[str, ColumnMeaning]], taken: Collection[str]
 ) -> dict[str, tuple[str, ColumnMeaning]]:
@@ -261,7 +268,9 @@ def _with_position(
         return own
     velocity, meaning = own["velocity"]
     column = find_position_by_rate(columns, velocity, taken) or INTEGRAL
-    return {"position": (column, ColumnMeaning("position", meaning.joint, 0, "")), **own}
+    said = find_unit_words(column, -1)
+    unit = unit_for("position", said[0].unit) if said else ""
+    return {"position": (column, ColumnMeaning("position", meaning.joint, 0, unit)), **own}
 
 
 def _share_position(columns: Mapping[str, Samples], chosen: Chosen) -> Chosen:

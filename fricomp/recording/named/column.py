@@ -10,7 +10,7 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words,
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0, "mean": 0}
-_MEASURED |= {"mech": 0, "mechanical": 0}
+_MEASURED |= {"mech": 0, "mechanical": 0, "pv": 2}
 _MEASURED |= {"filtered": 0, "filt": 0, "active": 0, "in": 0, "ang": 0, "angular": 0, "dreh": 0}
 _MEASURED |= {"измеренный": 2, "измеренная": 2, "измеренное": 2, "фактический": 2, "факт": 2, "угловая": 0, "실제": 2}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
@@ -53,6 +53,9 @@ _OF_PATHS = (*_SWITCHES, "model")
 
 _OBSERVATION = re.compile(r"^observation\.(?:\w+\.(?=.*\.(?:pos|vel|effort|torque|current|load)$))?")
 """What LeRobot writes before the name of a joint and of what is said of it."""
+
+_ADDRESS = re.compile(r"(?<=\w) ?\(0x(?!6)[0-9A-Fa-f]+\)$")
+"""Of a register behind its name, which is no joint's; those of CiA 402 say what they hold [cia402]."""
 
 _TIMES = ("time", "times", "stamp", "timestamp", "tout")
 """Last words of a column that says when another one was taken: `velocity.time`."""
@@ -133,6 +136,9 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     said = _find_units(name, words[at])
     quantity = _settle_quantity(quantity, said)
     roles = {k: role for k in range(len(words)) if (role := _find_role(k, words, at, quantity, has_unit=bool(said)))}
+    roles = {
+        k: role for k, role in roles.items() if not any(one.span[0] < words[k][1][0] < one.span[1] for one in said)
+    }
     roles |= {k: "number" for k, (word, span) in enumerate(words) if word in _OF_PATHS and _stands_in_path(name, span)}
     rate = next((words[k][0] for k, role in roles.items() if role == "rate"), "")
     if rate:
@@ -182,8 +188,13 @@ def says_counts(name: str) -> bool:
 
 
 def without_observation(name: str) -> str:
-    """A name without what LeRobot writes before that of a joint and of what is said of it."""
-    return _OBSERVATION.sub("", name)
+    """A name without what LeRobot writes before that of a joint and of what is said of it, and without an address."""
+    return without_address(_OBSERVATION.sub("", name))
+
+
+def without_address(name: str) -> str:
+    """A name without the address of a register in brackets behind it: `POSITION(0x001)`."""
+    return _ADDRESS.sub("", name)
 
 
 def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:

@@ -66,15 +66,20 @@ def _name_entries(
     numbers = numbers or [str(k) for k in range(1, len(entries) + 1)]
     matches = {name: match for name in columns if (match := _NUMBERED.fullmatch(name))}
     named = dict(columns)
-    for base in dict.fromkeys(match[1] for match in matches.values()):
-        each = {match[2]: name for name, match in matches.items() if match[1] == base}
-        if list(each) != list(numbers):
-            continue
+    bases = {
+        base: {match[2]: name for name, match in matches.items() if match[1] == base}
+        for base in dict.fromkeys(match[1] for match in matches.values())
+    }
+    bases = {base: each for base, each in bases.items() if list(each) == list(numbers)}
+    fields = Counter(base.rpartition(".")[2] for base in bases)
+    for base, each in bases.items():
+        path, _, field = base.rpartition(".")
+        before = f"{path}." if fields[field] > 1 and path else ""  # `actual.positions` beside `desired.positions`
         table = np.stack([columns[name] for name in each.values()], axis=1)
         for entry in entries:
             places = {order: order.index(entry) for order in orders}
             chosen = table[np.arange(len(rows)), [places[order] for order in rows]]
-            named[f"{entry}.{base.rpartition('.')[2]}"] = chosen
+            named[f"{before}{entry}.{field}"] = chosen
         for name in each.values():
             del named[name]
     return named

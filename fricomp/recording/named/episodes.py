@@ -7,7 +7,7 @@ import numpy as np
 
 from fricomp.recording.validity import Samples
 
-from .clock import find_stamps
+from .times.clock import find_stamps
 
 _EPISODE = re.compile(r"(?<![^./])(demo|episode|ep|trial|traj|trajectory|rollout)_?(\d+)(?=[./])", re.IGNORECASE)
 """Group of an episode in the path of a name: `data.demo_3.obs.joint_pos`."""

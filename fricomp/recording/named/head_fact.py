@@ -26,6 +26,8 @@ _OBJECT = r"(?:\s*[\[(]?0x[0-9a-f]{4}(?:[:.]\d+)?[\])]?)?"
 """The object of a drive that a fact is, behind its name: `rated torque (0x6076)`."""
 _CALLED = {
     "rate": r"(?:sampl\w*|log\w*|record\w*|acquisition|update|abtast\w*)[ _-]*(?:rate|freq\w*)|abtastrate|fs|f_s",
+    "tick_rate": r"(?:ticks?|timer|counter)[ _-]*(?:rate|freq\w*|clock)|ticks?[ _-]*(?:per|/)[ _-]*s(?:ec(?:ond)?)?",
+    "delta_x": r"delta_x",
     "step": r"(?:sampl\w*|cycle|abtast\w*|zyklus)[ _-]*(?:interval|time|period|zeit)",
     "COUNTS_A_TURN": rf"(?:encoder[ _-]*)?cpr|counts?[ _]*{_PER_TURN}|(?:increments?|inkremente|inc)[ _]*{_PER_TURN}",
     "RATED": r"(?:rated|nominal)[ _-]*(?:motor[ _-]*)?torque|nenn(?:dreh)?moment",
@@ -48,12 +50,12 @@ _BITS = re.compile(r"encoder\D{0,20}?(\d\d)[ -]?bits?\b|(?<!\d)(\d\d)[ -]?bit[ -
 """Bits of a turn: `encoder: 14 bit`, `17-bit absolute encoder`."""
 _BEFORE = re.compile(rf"(\d+)[ _]*(?:cpr(?![a-z])|(?:counts?|cts|inc(?:r|rements?)?|inkremente)[ _]*{_PER_TURN})", re.I)
 """Counts of a turn before what they are: `encoder (4096 cpr)`, `Resolution: 8192 inc/rev`."""
-_RATES = {"": 1.0, "hz": 1.0, "khz": 1e3, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0, "1/s": 1.0}
+_RATES = {"": 1.0, "hz": 1.0, "khz": 1e3, "mhz": 1e6, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0, "1/s": 1.0}
 _STEPS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 """What one of a unit is [Hz] or [s]."""
 
 
-_PRESENT = re.compile(r"(?:^|[./ _])present[_ ]?(position|velocity|current)(?:[_ .\[]?\d+\]?)?$", re.IGNORECASE)
+_PRESENT = re.compile(r"(?:^|[./ _])present[_ ]?(position|velocity|current)(?:[_ .\[(]?\d+[\])]?)?$", re.IGNORECASE)
 """Registers of a Dynamixel X, as its programs call the columns [robotis2024]."""
 
 
@@ -93,15 +95,27 @@ def read_head_facts(path: Path) -> dict[str, HeadFact]:
 
     Nothing of any other file, nor what is stated twice with other numbers.
     """
+    return _find_facts(_read_head(path))
+
+
+def read_head_lines(path: Path) -> list[str]:
+    """The lines above the rows of a text that are no names of its columns and no units below them."""
+    return [line.strip(' "#%/\r\n') for line in _read_head(path, with_names=False)]
+
+
+def _read_head(path: Path, *, with_names: bool = True) -> list[str]:
+    """The lines above the rows of a text, with those of the names or without them; none of any other file."""
     if not path.is_file() or not is_text(path):
-        return {}
+        return []
     with path.open(encoding=find_encoding(path), errors="replace") as stream:
         lines = list(islice(stream, FIRST_LINES))
     try:
         layout = find_layout(lines)
     except csv.Error:
-        return {}
-    return _find_facts(lines[: layout.rows_line]) if layout is not None else {}
+        return []
+    if layout is None:
+        return []
+    return lines[: layout.rows_line] if with_names else lines[: layout.names_line]
 
 
 def _find_facts(lines: Iterable[str]) -> dict[str, HeadFact]:
@@ -115,7 +129,7 @@ def _find_facts(lines: Iterable[str]) -> dict[str, HeadFact]:
         for name, fact in _find_counts(line).items():
             found.setdefault(name, set()).add(fact)
     facts = {name: next(iter(said)) for name, said in found.items() if len({one.value for one in said}) == 1}
-    step = facts.pop("step", None)
+    step = facts.pop("delta_x", None) or facts.pop("step", None)
     return {"rate": HeadFact(1.0 / step.value, step.said), **facts} if step is not None else facts
 
 
@@ -123,8 +137,8 @@ def _read_value(name: str, unit: str, number: str, over: str, behind: str) -> fl
     """The value of a fact in SI; None where its unit is not known, or it is no number of such a kind."""
     value = float(number.replace(",", "."))
     unit = (unit or behind).strip()
-    if name in ("rate", "step"):
-        factor = (_RATES if name == "rate" else _STEPS).get(unit.lower())
+    if name in ("rate", "step", "tick_rate", "delta_x"):
+        factor = {"step": _STEPS, "delta_x": {"": 1.0}}.get(name, _RATES).get(unit.lower())
         return None if factor is None else value * factor
     if name == "RATIO":
         second = float(over.replace(",", ".")) if over else 1.0

@@ -18,7 +18,6 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
 
 from .choice import INTEGRAL, TORQUES, choose_columns
-from .clock import find_stamps, read_times
 from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .current_size import say_current_size
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
@@ -30,7 +29,9 @@ from .missing import explain_missing, say_left_out
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_named_columns
 from .sparse import join_sparse
+from .times.clock import find_stamps, read_times
 from .torque_constant import say_torque_constant
+from .unstated import refuse_unstated
 from .vendor import find_drive_of_turns
 
 _SURE = 3
@@ -121,6 +122,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += of_motor
         findings += found
         recordings.append(mark_assumed(recording, own))
+        refuse_unstated(path, recording, own)
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
     refuse_arm_in_degrees(path, recordings, sources)
     _ask_turns(path, columns, sources)

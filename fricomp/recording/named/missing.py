@@ -13,10 +13,10 @@ from fricomp.recording.unit_word import find_unit_words, kind_of_unit
 from fricomp.recording.validity import Samples
 
 from .choice import TORQUES, Chosen, list_names
-from .clock import find_stamps
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from .head_fact import say_head_facts
 from .source import read_first_lines
+from .times.clock import find_stamps
 
 _PHASE = re.compile(r"(?:^|[_./ ])(?:[iI]|[Pp]hase|[Cc]urrent)[_ ]?([abcuvwABCUVW])(?![A-Za-z])")
 """Name of the current of a phase: `i_a`, `phase_u`, `motor.current_C [A]`."""

@@ -11,9 +11,9 @@ from fricomp.recording.sources import is_text
 from fricomp.recording.validity import Samples
 
 from .choice import TORQUES
-from .clock import find_stamps
 from .column import read_column_name
 from .source import read_named_columns
+from .times.clock import find_stamps
 
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 

@@ -27,10 +27,11 @@ from fricomp.recording.validity import Samples
 from fricomp.untrusted import require_filled
 
 from .choice import TORQUES
-from .clock import find_stamps
 from .column import read_column_name
 from .entries import drop_numbered_twins, fill_spans, name_listed, number_repeated
 from .long_rows import separate_long_rows
+from .sparse import place_pairs
+from .times.clock import find_stamps
 
 _BAGS = (".db3", ".bag")
 """Suffixes of the files of bags."""
@@ -209,7 +210,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
     """Columns of a text table with a line of names; a cell such as `[0.1, 0.2]` is several."""
     fast = _read_large_text(path)
     if fast is not None:
-        return separate_long_rows(fast, {})
+        return separate_long_rows(place_pairs(fast), {})
     lines = read_lines(path)
     layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
     if not layout.names:
@@ -228,7 +229,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
         columns.update(found)
         if not any(np.isfinite(values).any() for values in found.values()):
             words[name] = cells
-    return separate_long_rows(name_listed(columns, words), words)
+    return separate_long_rows(name_listed(place_pairs(columns), words), words)
 
 
 def _require_numbers(path: Path, name: str, cells: Sequence[str], found: Mapping[str, Samples]) -> None:

@@ -32,6 +32,22 @@ def join_sparse(table: Mapping[str, Samples]) -> dict[str, Samples]:
     }
 
 
+def place_pairs(columns: dict[str, Samples]) -> dict[str, Samples]:
+    """The columns at the first of their times, where each has its own beside it, as a scope with several rates writes.
+
+    Args:
+        columns: By name; the time of `torque` is `torque.time` where it is not the first column. Shape (n_rows,) each.
+    """
+    stamps = {name: f"{name}.time" for name in columns if f"{name}.time" in columns}
+    first = next(iter(columns), "")
+    placed = {
+        name: _read_between(columns[first], columns[stamp], columns[name])
+        for name, stamp in stamps.items()
+        if not np.array_equal(columns[stamp], columns[first], equal_nan=True)
+    }
+    return {name: placed.get(name, values) for name, values in columns.items() if name not in stamps.values()}
+
+
 def _read_between(at: Samples, time: Samples, values: Samples) -> Samples:
     """A channel at other times, between its own readings; NaN in gaps and beyond the ends. Shape (n,)."""
     known = np.sort(time[np.isfinite(values + time)])

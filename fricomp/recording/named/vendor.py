@@ -9,7 +9,7 @@ import numpy as np
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words, unit_for
 from fricomp.recording.validity import Samples
 
-from .column import RAW_UNIT, ColumnMeaning, read_column_name
+from .column import RAW_UNIT, ColumnMeaning, read_column_name, without_address
 from .device_unit import with_device_unit
 
 _TURNS = re.compile(r"(^|[./])servo_stats\.(abs_)?position$")
@@ -151,8 +151,10 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
     mujoco = _MUJOCO.search(name)
     if mujoco:
         return ColumnMeaning("torque", mujoco.group(1), meaning.certainty, "")
-    path, _, register = name.rpartition(".")
-    if register in ("POSITION", "VELOCITY") and {f"{path}.{one}".lstrip(".") for one in _MOTEUS} <= set(beside):
+    path, _, register = without_address(name).rpartition(".")
+    if register in ("POSITION", "VELOCITY") and {f"{path}.{one}".lstrip(".") for one in _MOTEUS} <= set(
+        map(without_address, beside)
+    ):
         return replace(meaning, unit="turns" if register == "POSITION" else "turns/s")
     if meaning.unit not in ("", RAW_UNIT):
         return meaning

@@ -11,12 +11,11 @@ from .cell import is_number, parse_number, read_measured, read_measured_si
 from .labelled_rows import join_rows, tabulate_labelled
 from .octave_text import tabulate_variables
 from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
+from .yaml_text import tabulate_yaml
 
 _MOSTLY = 0.5
 _ARRIVED = re.compile(r"^\s*((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s?(.*)$")
 """When a line arrived, as serial monitors write before it."""
-_ENTRY = re.compile(r"^(\s*)(?:- (?!\w+:\s)|(\w+):)\s*(.*)$")
-"""A line of a printed message: an entry of a list, or a key with its value."""
 _METRIC = re.compile(r"^([A-Za-z_:][\w:]*)(\{.*\})?\s+([+-]?[\d.]+(?:[eE][+-]?\d+)?|NaN)\s+(\d+)$")
 """A sample of Prometheus' text format: name, labels, value and its time in milliseconds [prometheus]."""
 _ELEMENT = re.compile(
@@ -24,8 +23,10 @@ _ELEMENT = re.compile(
 )
 _ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*\"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*\"")
 """An element of XML with its attributes and the number in it, and an attribute that is a number."""
-_BRACKETED = re.compile(r"^\s*\[*[\[(]([^\[\]()]*,[^\[\]()]*)[\])]\]*\s*[,;]?\s*$")
-"""A row as a list or a tuple of Python: `(0.1, 0.2, 0.3)`."""
+_BRACKETED = re.compile(r"^\s*\[*[\[(]\s*([^\s\[\]()]+[,\s][^\[\]()]*)[\])]\]*\s*[,;]?\s*$")
+"""A row as a list or a tuple of Python, `(0.1, 0.2, 0.3)`, or as numpy shows it, `[0.1 0.2]`."""
+_NAMED_LIST = re.compile(r"^\s*[\"']?([A-Za-z_][\w .]*?)[\"']?\s*[:=]\s*[\[(]([^\[\]]*)[\])]\s*[,;]?\s*$")
+"""A channel a line as programs write their variables: `q = [0.1, 0.2]`."""
 _PYTHON = re.compile(
     r"\b(?:(?:np|numpy|torch|jnp)\.)?(?:(?:float|u?int)\d+|array|tensor|Array)"
     r"\(([^(),]*|\[[^()\[\]]*\])(?:,\s*\w+=[^()]*)?\)"
@@ -52,7 +53,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     try:
         lines = tabulate_variables(lines) or _read_python(lines)
         lines = _unwrap(lines) or _join_decimals(lines) or lines
-        lines = _tabulate_messages(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
+        lines = tabulate_yaml(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
         lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
         layout = find_layout(lines[:FIRST_LINES])
         if layout is not None and layout.names:
@@ -94,51 +95,6 @@ def _unwrap(lines: Sequence[str]) -> list[str] | None:
     if not first or sum(_BRACKETED.match(line) is not None for line in first) <= _MOSTLY * len(first):
         return None
     return [match.group(1) if (match := _BRACKETED.match(line)) else line for line in lines]
-
-
-def _tabulate_messages(lines: Sequence[str]) -> list[str] | None:
-    """Rows of the messages that `ros2 topic echo` or `rostopic echo` prints; None where there are none.
-
-    Lists beside a list `name` are `<name>/<field>`; the last message is left out where it was cut off.
-    """
-    first = [line.strip() for line in lines[:FIRST_LINES]]
-    if "---" not in first or not any(line.startswith("position:") for line in first):
-        return None
-    rows: list[dict[str, str]] = []
-    message: list[str] = []
-    for line in lines:
-        if line.strip() == "---":
-            rows.append(_read_message(message))
-            message = []
-        else:
-            message.append(line)
-    return join_rows(rows)
-
-
-def _read_message(lines: Sequence[str]) -> dict[str, str]:
-    """The entries of a printed message by their path, those of lists by the names beside them or their number."""
-    path: list[tuple[int, str]] = []
-    lists: dict[str, list[str]] = {}
-    entries: dict[str, str] = {}
-    for line in lines:
-        match = _ENTRY.match(line)
-        if match is None:
-            continue
-        indent, key, value = len(match.group(1)), match.group(2), match.group(3).strip("'\" ")
-        if key is None:
-            lists.setdefault(".".join(name for _, name in path), []).append(value)
-            continue
-        path = [*(one for one in path if one[0] < indent), (indent, key)]
-        name = ".".join(one for _, one in path)
-        if value.startswith("["):
-            lists[name] = [one.strip("'\" ") for one in value.strip("[]").split(",")]
-        elif value:
-            entries[name] = value
-    named = lists.pop("name", [])
-    for field, values in lists.items():
-        of = named if len(named) == len(values) else []
-        entries |= {f"{of[k]}/{field}" if of else f"{field}:{k + 1}": value for k, value in enumerate(values)}
-    return {name: value for name, value in entries.items() if "," not in value}
 
 
 def _tabulate_metrics(lines: Sequence[str]) -> list[str] | None:
@@ -199,6 +155,8 @@ def _read_elements(line: str) -> dict[str, str]:
 def _transpose(lines: Sequence[str]) -> list[str] | None:
     """The columns of a table that has a channel a line, each with its name in front; None where it has not."""
     channels = [line for line in lines if line.strip() and not is_comment(line)]
+    if channels and len(channels) <= _MOST_CHANNELS and all(map(_NAMED_LIST.match, channels)):
+        channels = [_NAMED_LIST.sub(r"\1,\2", line) for line in channels]
     if not 1 < len(channels) <= _MOST_CHANNELS or min(map(len, channels)) < _LONG_LINE:
         return None
     mark = next((one for one in ("\t", ";", ",") if all(line.count(one) >= _LONG_ROW for line in channels)), "")

@@ -21,6 +21,9 @@ _COMMENTS = ("#", "%", "//")
 _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _UNITS_OF_PAIRS = ("unit", "units", "einheit", "einheiten")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
+_WIDE = re.compile(r"\t+|\s{2,}")
+_WITH_UNIT = re.compile(r"[^\s\[(]+\s*(?:[\[(][^\])]*[\])])?")
+"""What stands between names with spaces in them, and a name with its unit: `torque (N m)`."""
 _UNIT_LABEL = re.compile(r"^\s*(?:units?|einheit(?:en)?)\s*[:=]\s*", re.IGNORECASE)
 """What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
 _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
@@ -247,11 +250,23 @@ def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Headin
     for number, line in reversed([(number, line.strip(around)) for number, line in enumerate(above)]):
         if not line.strip() or _RULE.fullmatch(line):
             continue
-        found = _Heading(number, split_cells(line.lstrip("#%/ ") if is_comment(line) else line, mark), is_comment(line))
+        bare = line.lstrip("#%/ ") if is_comment(line) else line
+        found = _Heading(number, _split_heading(bare, mark, width), is_comment(line))
         if not found.is_comment and not _fits(found.cells, width):
             return
         if not found.is_comment or (_fits(found.cells, width) and not any(map(is_entry, found.cells))):
             yield found
+
+
+def _split_heading(line: str, mark: str, width: int) -> list[str]:
+    """The cells of a line above the rows: between white space a unit in brackets belongs to the name before it, and of
+    names with a space in them two spaces stand between.
+    """
+    cells = split_cells(line, mark)
+    if mark or len(cells) == width:
+        return cells
+    joined = [_WIDE.split(line.strip()), [one.strip() for one in _WITH_UNIT.findall(line)]]
+    return next((one for one in joined if len(one) == width), cells)
 
 
 def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled: bool) -> TextLayout:

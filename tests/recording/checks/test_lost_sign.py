@@ -36,3 +36,15 @@ def test_a_torque_that_is_another_channel_once_more_is_told(channel: str) -> Non
     log = joint_log(12.0, 250.0, 2)
     assert "copied_torque" not in _codes(log)
     assert "copied_torque" in _codes(log.with_channels(torque=log.channels[channel]))
+
+
+@pytest.mark.parametrize(("bit", "one"), [(10, 0.004), (15, 2e-4), (11, 0.002)])
+def test_a_sign_in_a_bit_is_told_with_the_line_that_reads_it(bit: int, one: float) -> None:
+    log = joint_log(20.0, 200.0, 5)
+    counts = np.round(log.torque / one)
+    stored = np.where(counts < 0.0, 2.0**bit - counts, counts)
+    told = check_recording(log.with_channels(torque=one * stored))
+    (found,) = [finding for finding in told if finding.code == "sign_bit"]
+    assert f"sign_bit = {bit}" in found.advice
+    read = np.where(stored >= 2.0**bit, 2.0**bit - stored, stored)
+    assert not {"sign_bit", "lost_sign"} & _codes(log.with_channels(torque=one * read))

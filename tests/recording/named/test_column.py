@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from fricomp.recording.named.clock import find_stamps
 from fricomp.recording.named.column import read_column_name, read_column_unit, simplify_joint
+from fricomp.recording.named.times.clock import find_stamps
 
 
 @pytest.mark.parametrize(

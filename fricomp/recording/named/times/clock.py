@@ -8,28 +8,28 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.named.choice import list_names
+from fricomp.recording.named.column import read_column_name
+from fricomp.recording.named.head_fact import read_head_facts
 from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit import find_unit
 from fricomp.recording.validity import Samples, find_readings
 
-from .choice import list_names
-from .column import read_column_name
-from .head_fact import read_head_facts
+from .stamp_unit import TIME_UNIT, find_epoch_unit, guess_unit, measure_step, read_time_unit, require_known_ticks
 
-_UNIT = r"(s|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|h|hrs?|hours?|с|сек|мс|мкс)"
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
 """Words that say whose clock it is, or since when it counts."""
 _TIME = re.compile(
     rf"^(?!th$)(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
-    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/.-]*)({_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
-    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks?_[mun]s|epoch|{_CLOCK}[_ ]{_UNIT})$"
+    rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/.-]*)({TIME_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
+    rf"|^(secs?|seconds|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks?_[mun]s|epoch|{_CLOCK}[_ ]{TIME_UNIT})$"
     r"|^(time|timestamp|zeit)/.*$"
     r"|^[mun]?s[_ ](today|elapsed|(since|from)[_ ].*)$",
     re.IGNORECASE,
 )
 _STEPS = re.compile(
     r"^(.*[/_. ])?(d_?t|[δΔ∆]_?t|delta[_ ]?(t|time)|time[_ ]?(delta|step|diff)|t_?step)"
-    rf"[_\s\[(]*({_UNIT[1:-1]})?[\])]?$",
+    rf"[_\s\[(]*({TIME_UNIT[1:-1]})?[\])]?$",
     re.IGNORECASE,
 )
 """Names of a time since the row before."""
@@ -37,42 +37,21 @@ _WORD_BEGINS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 """Where the next word begins in a name that marks it by a capital letter alone."""
 _PERIOD = re.compile(
     r"^(.*[/_. ])?(d_?t|[δΔ∆]_?t|t_?s|time_?step|(sampl\w*|cycle)[_ ]?(time|period|interval)|period)"
-    rf"[_\s\[(]*({_UNIT[1:-1]})?[\])]?$",
+    rf"[_\s\[(]*({TIME_UNIT[1:-1]})?[\])]?$",
     re.IGNORECASE,
 )
 """Names of a single number that is the time from row to row."""
-_TIME_UNIT = re.compile(rf"[\[(]\s*{_UNIT}\s*[\])]\s*$", re.IGNORECASE)
+_TIME_UNIT = re.compile(rf"[\[(]\s*{TIME_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _COUNTER = re.compile(
     r"(^|[/_. ])(samples?|index|idx|n|nr|no|counter|count|cycles?|rows?)([_ ]?(no|nr|num\w*))?$", re.I
 )
-_TICK = re.compile(r"(^|[/_. ])ticks?$", re.IGNORECASE)
+TICK = re.compile(r"(^|[/_. ])ticks?$", re.IGNORECASE)
 _MOTOR_STATE = re.compile(r"motor_?state", re.IGNORECASE)
 """The counter of milliseconds beside the motors' states of a robot by Unitree."""
-_SAID = re.compile(rf"(?<![a-zа-я]){_UNIT}[\])]?$", re.IGNORECASE)
-_SPELLED = {
-    "sec": "s",
-    "secs": "s",
-    "second": "s",
-    "seconds": "s",
-    "msec": "ms",
-    "msecs": "ms",
-    "milliseconds": "ms",
-    "µs": "us",
-    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
-}
-_SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds|s)$", re.IGNORECASE)
 _PARTS = dict.fromkeys(("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds", "ns"), 1e-09)
 _PARTS |= dict.fromkeys(("microsec", "usec", "usecs", "microsecs", "microseconds", "us"), 1e-06)
 """What the rest of a stamp is called, in whose name that of its seconds is changed, and what one of it is [s]."""
-TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
-"""Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
-
-_EPOCHS = ((1e9, "s"), (1e12, "ms"), (1e15, "us"), (1e18, "ns"))
-"""Least stamp since 1970, from September 2001 on, and its unit; the largest is four times that."""
-_HELD = 0.2
-"""Part of the rows with the stamp of the one before, from which on a clock is coarse: rows are more than its steps."""
-
 _MOSTLY = 0.05
 """Part of the rows whose time must come later for a column to be one; stamps of a coarse clock are held for many."""
 
@@ -114,7 +93,7 @@ def find_stamps(columns: Iterable[str]) -> list[str]:
     names = list(columns)
     called = [name for name in names if _is_time(name) and not says_steps(name)]
     if not called and any(_MOTOR_STATE.search(name) for name in names):
-        called = [name for name in names if _TICK.search(name)]
+        called = [name for name in names if TICK.search(name)]
     called = called or [name for name in names if _TIME_UNIT.search(name) and read_column_name(name) is None]
     return sorted(called, key=lambda name: (len(name), name))
 
@@ -144,7 +123,9 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     columns = {name: values for name, values in columns.items() if name not in period}
     split = _find_split_stamp(columns)
     stamps = [name for name in find_stamps(columns) if split is None or name not in split]
-    stamps = [name for name in stamps if split is None or np.isfinite(columns[name]).any()]
+    rate = read_head_facts(path).get("rate")
+    replaced = split is not None or rate is not None
+    stamps = [name for name in stamps if not replaced or np.isfinite(columns[name]).any()]
     if len(stamps) > 1:
         stamps = _prefer_even(columns, sorted(stamps, key=lambda name: not _rises(columns[name])))
     names = stamps
@@ -153,16 +134,17 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         seconds, parts = columns[whole], columns[rest]
         time = (seconds - seconds[0]) + one * (parts - parts[0])
         return RowTimes(f"{whole}{PARTS_OF_SECONDS[one]}{rest}", "s", time)
-    names = names or _find_epochs(columns) or _find_ticks(columns)
+    names = names or _find_epochs(columns)
+    if not names and (ticks := _find_ticks(columns)):
+        return _read_ticks(path, ticks[0], columns[ticks[0]])
     if not names:
         if period:
             return _count_rows(path, *period.popitem(), rows)
         steps = next((name for name in columns if says_steps(name) and _are_steps(columns[name])), "")
         if steps:
             _require_times(path, steps, columns[steps])
-            unit = _read_unit(steps) or _guess_unit(np.cumsum(columns[steps]))
+            unit = read_time_unit(steps) or guess_unit(np.cumsum(columns[steps]))
             return RowTimes(steps, unit, np.cumsum(columns[steps]) * find_unit(unit).factor)
-        rate = read_head_facts(path).get("rate")
         if rate is not None:
             return _count_stated(columns, rate.value, rows)
         if all(read_column_name(name) is None for name in columns):
@@ -173,7 +155,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         )
     time = columns[names[0]]
     finite = _require_times(path, names[0], time)
-    unit = _read_unit(names[0]) or _guess_unit(finite)
+    unit = read_time_unit(names[0]) or guess_unit(finite)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
 
 
@@ -185,7 +167,7 @@ def _are_steps(values: Samples) -> bool:
 def _count_rows(path: Path, name: str, period: Samples, rows: int) -> RowTimes:
     """The time of rows that come every so often, as a number beside them says."""
     each = np.full(rows, float(_require_times(path, name, np.repeat(period, 2))[0]))
-    unit = _read_unit(name) or _guess_unit(np.cumsum(each))
+    unit = read_time_unit(name) or guess_unit(np.cumsum(each))
     return RowTimes(name, unit, np.cumsum(each) * find_unit(unit).factor)
 
 
@@ -214,31 +196,8 @@ def _require_times(path: Path, name: str, values: Samples) -> Samples:
     return finite
 
 
-def _guess_unit(stamps: Samples) -> str:
-    """The unit of stamps whose name states none: by the day that they are, or by their steps. Shape (n,)."""
-    step = _measure_step(stamps)
-    if unit := _find_epoch_unit(stamps, step):
-        return unit
-    return "d" if _are_days(stamps, step) else next(one for most, one in TIME_UNITS if step <= most)
-
-
-def _measure_step(stamps: Samples) -> float:
-    """Usual step of stamps that differ, or the mean of all where a coarse clock holds many."""
-    steps = np.abs(np.diff(stamps))
-    usual = float(np.median(steps[steps > 0.0], overwrite_input=True)) if steps.any() else 0.0
-    return float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
-
-
-def _find_epoch_unit(stamps: Samples, step: float) -> str:
-    """The unit in which stamps with this usual step count since 1970; empty where they do not."""
-    for least, one in _EPOCHS:
-        if least <= stamps[0] and stamps[-1] <= 4.0 * least and step * find_unit(one).factor <= TIME_UNITS[0][0]:
-            return one
-    return ""
-
-
 def _find_epochs(columns: Mapping[str, Samples]) -> list[str]:
-    """Names of columns of stamps since 1970, however they are called: nothing else goes on so evenly so far from zero.
+    """Names of columns of stamps since an epoch, however called: nothing else goes on so evenly so far from zero.
 
     The least even is the last.
     """
@@ -246,22 +205,26 @@ def _find_epochs(columns: Mapping[str, Samples]) -> list[str]:
     found = [
         name
         for name, stamps in finite.items()
-        if _rises(stamps) and np.all(np.diff(stamps) >= 0.0) and _find_epoch_unit(stamps, _measure_step(stamps))
+        if _rises(stamps) and np.all(np.diff(stamps) >= 0.0) and find_epoch_unit(stamps, measure_step(stamps))
     ]
     return sorted(found, key=lambda name: _measure_unevenness(finite[name]))
 
 
 def _find_ticks(columns: Mapping[str, Samples]) -> list[str]:
     """Names of counters that go on by more than one from row to row: parts of a second, and no numbers of rows."""
-    named = {name: values[np.isfinite(values)] for name, values in columns.items() if _TICK.search(name)}
-    return [name for name, ticks in named.items() if _rises(ticks) and _measure_step(ticks) > 1.0]
+    named = {name: values[np.isfinite(values)] for name, values in columns.items() if TICK.search(name)}
+    return [name for name, ticks in named.items() if _rises(ticks) and measure_step(ticks) > 1.0]
 
 
-def _are_days(stamps: Samples, step: float) -> bool:
-    """Whether these are days since 1900 or the year 0, as spreadsheets and MATLAB write dates: in seconds such steps
-    would be those of 50 kHz and more.
-    """
-    return step < 2e-5 and 1e4 < float(stamps[0]) < 1e6
+def _read_ticks(path: Path, name: str, ticks: Samples) -> RowTimes:
+    """The time of rows by a counter of parts of a second: as many a second as stands above them, else in ms or us."""
+    known = ticks[np.isfinite(ticks)]
+    rate = read_head_facts(path).get("tick_rate")
+    if rate is not None:
+        return RowTimes(f"{name}{AT_RATE}{rate.value!r} Hz", "s", (ticks - known[0]) / rate.value)
+    require_known_ticks(path, name, known)
+    unit = guess_unit(known)
+    return RowTimes(name, unit, np.asarray((ticks - known[0]) * find_unit(unit).factor))
 
 
 def _explain_nameless(path: Path, columns: Mapping[str, Samples]) -> str:
@@ -316,14 +279,6 @@ def _rises(values: Samples) -> bool:
     """Whether most of the rows come after the one before: a counter of cycles or a period does not."""
     steps = np.diff(values[np.isfinite(values)])
     return bool(steps.size) and float(np.mean(steps > 0.0)) > _MOSTLY
-
-
-def _read_unit(name: str) -> str:
-    """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
-    said = _SAID.search(name)
-    if said is None or said.start() == 0:
-        return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
-    return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
 
 
 def _find_split_stamp(columns: Mapping[str, Samples]) -> tuple[str, str, float] | None:

@@ -1,0 +1,1 @@
+"""The column of time of a log, and its unit."""

@@ -1,0 +1,112 @@
+"""The unit of a time: by its name, by the day that its stamps are, or by the steps from row to row."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.unit import find_unit
+from fricomp.recording.validity import Samples
+
+TIME_UNIT = (
+    r"(s|100[ _]?ns|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|h|hrs?|hours?"
+    r"|с|сек|мс|мкс)"
+)
+"""Units of a time as names state them, for a regular expression."""
+_SAID = re.compile(rf"(?<![a-zа-я]){TIME_UNIT}[\])]?$", re.IGNORECASE)
+_SPELLED = {
+    "sec": "s",
+    "secs": "s",
+    "second": "s",
+    "seconds": "s",
+    "msec": "ms",
+    "msecs": "ms",
+    "milliseconds": "ms",
+    "µs": "us",
+    **dict.fromkeys(("100 ns", "100_ns"), "100ns"),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+}
+_SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
+TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
+"""Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
+
+_EPOCHS = (
+    *((least, 4.0 * least, unit) for least, unit in ((1e9, "s"), (1e12, "ms"), (1e15, "us"), (1e18, "ns"))),
+    (1.26e17, 1.58e17, "100ns"),
+    (6.31e17, 6.63e17, "100ns"),
+)
+"""Least and largest stamp since 1970, from September 2001 on, and its unit; then the same of Windows' file times, since
+1601, and of the ticks of .NET, since the year 1, for the years 2000 to 2100."""
+_WHOLE_RATE = 1e-3
+"""Relative distance from a whole number of rows a second up to which ticks are parts of a second."""
+_HELD = 0.2
+"""Part of the rows with the stamp of the one before, from which on a clock is coarse: rows are more than its steps."""
+
+
+def read_time_unit(name: str) -> str:
+    """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
+    said = _SAID.search(name)
+    if said is None or said.start() == 0:
+        return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
+    return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
+
+
+def guess_unit(stamps: Samples) -> str:
+    """The unit of stamps whose name states none: by the day that they are, or by their steps. Shape (n,)."""
+    step = measure_step(stamps)
+    if unit := find_epoch_unit(stamps, step):
+        return unit
+    return "d" if _are_days(stamps, step) else next(one for most, one in TIME_UNITS if step <= most)
+
+
+def measure_step(stamps: Samples) -> float:
+    """Usual step of stamps that differ, or the mean of all where a coarse clock holds many."""
+    steps = np.abs(np.diff(stamps))
+    usual = float(np.median(steps[steps > 0.0], overwrite_input=True)) if steps.any() else 0.0
+    return float(np.mean(steps)) if np.mean(steps == 0.0) > _HELD else usual
+
+
+def find_epoch_unit(stamps: Samples, step: float) -> str:
+    """The unit in which stamps with this usual step count since an epoch; empty where they do not."""
+    for least, most, one in _EPOCHS:
+        if least <= stamps[0] and stamps[-1] <= most and step * find_unit(one).factor <= TIME_UNITS[0][0]:
+            return one
+    return ""
+
+
+def are_known_ticks(ticks: Samples) -> bool:
+    """Whether a counter goes on as ms or us do: at a whole number of rows a second, or unevenly. Shape (n,)."""
+    steps = np.diff(ticks)
+    step = float(np.mean(steps))
+    rate = 1.0 / (step * find_unit(guess_unit(ticks)).factor)
+    is_even = bool(np.all(np.abs(steps - step) <= 1.0))
+    return not is_even or abs(rate / max(round(rate), 1) - 1.0) <= _WHOLE_RATE
+
+
+def require_known_ticks(path: Path, name: str, ticks: Samples) -> None:
+    """Refuse a counter that goes on by what no parts of a second do: how many of it come a second is not said.
+
+    Args:
+        path: Of the log, for messages.
+        name: Of the counter.
+        ticks: Its numbers. Shape (n,).
+
+    Raises:
+        RecordingError: It is such a counter.
+    """
+    if not are_known_ticks(ticks):
+        step = float(np.mean(np.diff(ticks)))
+        raise RecordingError(
+            f"{path}: {name!r} goes on by {step:.6g} a row, and nothing says how many of them come a second: write "
+            f"time = {{ column = {name!r}, scale = 1/TICKS_A_SECOND, from_zero = true }} in a mapping with the number "
+            "worked out ('fricomp convert LOG --inspect --out log.toml' begins one), or '# tick rate: 32768 Hz' "
+            "above the names"
+        )
+
+
+def _are_days(stamps: Samples, step: float) -> bool:
+    """Whether these are days since 1900 or the year 0, as spreadsheets and MATLAB write dates: in seconds such steps
+    would be those of 50 kHz and more.
+    """
+    return step < 2e-5 and 1e4 < float(stamps[0]) < 1e6
