@@ -1,5 +1,6 @@
 """A group of commands whose modules are imported only when one of them is used."""
 
+import sys
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec
@@ -41,7 +42,11 @@ class LazyGroup(TyperGroup):
         name, placeholder, rest = super().resolve_command(ctx, args)
         if name is None or placeholder is None:
             return name, placeholder, rest
-        module = import_module(module_name(self.package, name))
+        try:
+            module = import_module(module_name(self.package, name))
+        except KeyboardInterrupt:
+            print("\nInterrupted.", file=sys.stderr)
+            raise
         command = with_output_options(typer.main.get_command(module.app))
         command.name = name
         return name, command, rest

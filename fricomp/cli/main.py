@@ -92,6 +92,9 @@ def run() -> None:
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     except FricompError as error:
+        if _was_import_interrupted(error):
+            print("\nInterrupted.", file=sys.stderr)
+            sys.exit(EXIT_INTERRUPTED)
         _fail(str(error))
     except ModuleNotFoundError as error:
         extra = extra_for(error.name or "")
@@ -104,6 +107,16 @@ def run() -> None:
         if error.errno not in _OF_THE_DISK:
             raise
         _fail(f"a file could not be written: {error.strerror}")
+
+
+def _was_import_interrupted(error: BaseException | None) -> bool:
+    """Whether Ctrl-C came while a package was imported, which then says that it cannot be."""
+    while error is not None:
+        beneath = error.__cause__ or error.__context__
+        if isinstance(error, ImportError) and isinstance(beneath, KeyboardInterrupt):
+            return True
+        error = beneath
+    return False
 
 
 def _format_warning(

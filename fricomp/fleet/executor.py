@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import re
+import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
@@ -61,12 +62,28 @@ class _Processes(ProcessPoolExecutor):
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """The future of `fn(*args, **kwargs)`."""
-        return super().submit(_unless_stopped, fn, *args, **kwargs)
+        with _spared_from_interrupts():
+            return super().submit(_unless_stopped, fn, *args, **kwargs)
 
     def stop(self) -> None:
-        """Leave at once: what runs may finish, what waits is never begun."""
+        """Leave at once: what runs is given up, what waits is never begun."""
         self._stopped.set()
+        for process in list((self._processes or {}).values()):
+            process.terminate()
         self.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def _spared_from_interrupts() -> Iterator[None]:
+    """Processes that are started in here never hear of Ctrl-C, which a terminal sends to all: the parent ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 _stop: Any = None  # in a worker: the event that says that no further call may start

@@ -49,7 +49,8 @@ def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
     """
     keep = np.ones(channels["time"].size, dtype=bool)
     for values in channels.values():
-        keep &= find_readings(values)
+        if not _are_readings(values):
+            keep &= find_readings(values)
     keep[keep] = find_rising(channels["time"] if keep.all() else channels["time"][keep])
     return keep
 
@@ -208,7 +209,14 @@ def find_readings(values: Samples) -> NDArray[np.bool_]:
     return np.abs(values) < LARGEST
 
 
+def _are_readings(values: Samples) -> bool:
+    """Whether a sensor may have read all samples: by the outermost ones, without an array of as many. Shape (n,)."""
+    return bool(values.size == 0 or (values.max() < LARGEST and values.min() > -LARGEST))
+
+
 def _find_not_finite(name: str, values: Samples) -> Finding | None:
+    if _are_readings(values):
+        return None
     bad = np.flatnonzero(~find_readings(values))
     if not bad.size:
         return None

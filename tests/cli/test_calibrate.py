@@ -307,7 +307,10 @@ def test_a_run_leaves_everything_in_its_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGKILL, -9)])
 def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, number: int, status: int) -> None:
     out = tmp_path / "run"
-    running = subprocess.Popen([*COMMAND, *QUICK, "--out", str(out)], stderr=subprocess.PIPE, text=True)
+    log = tmp_path / "sweep.mcap"
+    running = subprocess.Popen(
+        [*COMMAND, *QUICK, "--log", str(log), "--out", str(out)], stderr=subprocess.PIPE, text=True
+    )
     deadline = time.monotonic() + 120.0
     recording = out / "recording.csv"
     while not (recording.exists() and recording.read_text().count('\\"plateau\\"') >= 2):
@@ -319,6 +322,7 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, number: int,
     if number != signal.SIGKILL:
         assert "zero torque" in said
         assert "--resume" in said
+        assert read_named_columns(log)["joint.position"].size == len(read_recording(recording))
     kept = len(load_sweep(recording).of_kind("plateau"))
     assert kept >= 1  # a stop in the middle of a write takes that one back
     again = subprocess.run(

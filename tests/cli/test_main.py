@@ -12,11 +12,12 @@ import typer
 from typer.testing import CliRunner
 
 import fricomp
+from fricomp.__main__ import run as run_from_the_start
 from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.cli import bench, check_loop, main
 from fricomp.cli import run as run_command
 from fricomp.cli.lazy import lazy_app
-from fricomp.errors import RecordingError
+from fricomp.errors import AdapterError, FricompError, MissingExtraError, RecordingError
 from fricomp.extras import extra_for
 
 
@@ -176,3 +177,40 @@ def test_a_loop_is_checked_as_it_is_run() -> None:
     )
     for name in ("delay", "velocity_filter"):
         assert checked[name] == run[name]
+
+
+@pytest.mark.parametrize("error", [AdapterError("no backend"), MissingExtraError("mujoco", "sim")])
+def test_an_import_that_ctrl_c_ended_is_an_interruption_and_no_missing_package(
+    error: FricompError, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    importing = ImportError("initialization failed")
+    importing.__cause__ = KeyboardInterrupt()
+    error.__cause__ = importing
+    with pytest.raises(SystemExit) as ended:
+        _run_raising(monkeypatch, error)()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err.strip() == "Interrupted."
+
+
+def test_a_missing_package_stays_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    error = MissingExtraError("mujoco", "sim")
+    error.__cause__ = ImportError("no module")
+    with pytest.raises(SystemExit) as ended:
+        _run_raising(monkeypatch, error)()
+    assert ended.value.code == 2
+
+
+def test_ctrl_c_while_packages_are_imported_is_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Interrupting:
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "fricomp.cli.main":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "fricomp.cli.main")
+    monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
+    with pytest.raises(SystemExit) as ended:
+        run_from_the_start()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err.strip() == "Interrupted."

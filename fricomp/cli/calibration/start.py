@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -33,7 +33,7 @@ from fricomp.calibration.sweep import (
 from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.calibration.resume import changes, refuse_other
-from fricomp.cli.option.motion_log import log_calibration
+from fricomp.cli.option.motion_log import log_calibration, log_unfinished
 from fricomp.cli.option.page import open_page, watching
 from fricomp.cli.output import answer, say_interrupted
 from fricomp.cli.parameter_table import end_as_usable, is_usable, parameter_table, print_verdict
@@ -67,7 +67,7 @@ _UNSEEN = Shown()
 
 def start_run(request: CalibrationRequest, out: Path, shown: Shown = _UNSEEN, *, overwrite: bool) -> None:
     """Calibrate into a new folder, or in place of the run that is there."""
-    with _watching(request, shown) as feed, progress() as bar, _interruptible(out) as begun:
+    with _watching(request, shown) as feed, progress() as bar, _interruptible(out, log=shown.log) as begun:
         calibration, folder = record_sweep(
             request, out, overwrite=overwrite, progress=begun(follow(bar, feed)), watch=feed
         )
@@ -101,7 +101,7 @@ def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()
     if folder.is_recorded:
         _identify_again(folder, shown)
         return
-    with _watching(folder.request, shown) as feed, progress() as bar, _interruptible(out) as begun:
+    with _watching(folder.request, shown) as feed, progress() as bar, _interruptible(out, log=shown.log) as begun:
         with open_joint(folder.request, feed) as context:
             calibration = calibrate(context, folder, folder.request.options, begun(follow(bar, feed)))
         usable = _write(calibration, folder, bar, shown)
@@ -161,7 +161,7 @@ def _print_recorded(folder: RunFolder, distance: str) -> None:
 
 
 @contextmanager
-def _interruptible(out: Path, motion: str = "") -> Iterator[Callable[[Progress], Progress]]:
+def _interruptible(out: Path, motion: str = "", log: Path | None = None) -> Iterator[Callable[[Progress], Progress]]:
     """A motion that Ctrl-C may end: it then says what is left of it, and how to go on.
 
     Gives what wraps a report of progress: only what was begun has something to say.
@@ -178,28 +178,34 @@ def _interruptible(out: Path, motion: str = "") -> Iterator[Callable[[Progress],
     try:
         yield begin
     except KeyboardInterrupt:  # the joint is closed, and its last stop got through
-        _say_interrupted(out, motion, "; the joint is at zero torque", begun=bool(seen))
+        _say_interrupted(out, motion, "; the joint is at zero torque", _log_begun(seen, log, out))
         raise
     except (AdapterError, SweepAborted) as error:
+        where = _log_begun(seen, log, out)
         if isinstance(error.__cause__, KeyboardInterrupt):
-            _say_interrupted(out, motion, "", begun=bool(seen))
+            _say_interrupted(out, motion, "", where)
         elif seen and not motion and (out / RECORDING).exists():
-            print(f"What was recorded is safe in {out / RECORDING}: {_how_to_resume(out)}", file=sys.stderr)
+            print(f"What was recorded is safe in {where}: {_how_to_resume(out)}", file=sys.stderr)
         raise
+
+
+def _log_begun(seen: Sequence[str], log: Path | None, out: Path) -> str:
+    """Where what was recorded is, the log of it written too; empty where nothing was begun."""
+    return f"{out / RECORDING}{log_unfinished(log, out / RECORDING)}" if seen else ""
 
 
 def _how_to_resume(out: Path) -> str:
     return f"go on with fricomp calibrate --resume --out {out}"
 
 
-def _say_interrupted(out: Path, motion: str, stopped: str, *, begun: bool) -> None:
-    if not begun:
+def _say_interrupted(out: Path, motion: str, stopped: str, where: str) -> None:
+    if not where:
         say_interrupted(f"{stopped}. Nothing was recorded.")
         return
     way = _how_to_resume(out)
     if motion:
         way = "the same command with --overwrite records the motion anew, from its beginning"
-    say_interrupted(f"{stopped}. What was recorded is safe in {out / RECORDING}: {way}")
+    say_interrupted(f"{stopped}. What was recorded is safe in {where}: {way}")
 
 
 def _report_nothing(text: str, done: float) -> None:

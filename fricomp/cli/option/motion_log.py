@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fricomp.control.loop.loop_log import LoopLog
     from fricomp.laws import FloatArray
     from fricomp.model import FrictionModel
+    from fricomp.recording import RecordingMetadata
 
 LogFile = Annotated[
     Path | None,
@@ -92,6 +93,26 @@ def log_calibration(path: Path | None, calibration: Calibration) -> None:
     write_mcap(path, time, {model.joint: columns | more}, {model.joint: _units(model)})
 
 
+def log_unfinished(path: Path | None, recording: Path) -> str:
+    """Write what a sweep had recorded when it ended early, which has no model yet; a phrase on it where that was done.
+
+    Args:
+        path: The log; None where none is wanted.
+        recording: Blocks as the sweep wrote them.
+    """
+    if path is None or not recording.exists():
+        return ""
+    from fricomp.recording.file import read_content
+    from fricomp.recording.mcap_file import write_mcap
+
+    with suppress(FricompError):  # how the sweep ended is what is told
+        samples = read_content(recording).recording
+        columns, metadata = dict(samples.channels), samples.metadata
+        write_mcap(path, columns.pop("time"), {metadata.joint: columns}, {metadata.joint: _units(metadata)})
+        return f", and as a log in {path}"
+    return ""
+
+
 def _compare(model: FrictionModel, velocity: FloatArray, torque: FloatArray) -> dict[str, FloatArray]:
     """Friction of the model at the measured velocity, and the torque less it; nothing of a model that needs more."""
     try:
@@ -101,8 +122,9 @@ def _compare(model: FrictionModel, velocity: FloatArray, torque: FloatArray) -> 
     return {"model": friction, "residual": torque - friction}
 
 
-def _units(model: FrictionModel) -> dict[str, str]:
-    torque, position = model.torque_unit, model.position_unit
+def _units(said: FrictionModel | RecordingMetadata) -> dict[str, str]:
+    """Unit of each channel, as a model or a recording states them."""
+    torque, position = said.torque_unit, said.position_unit
     of_torque = dict.fromkeys(("torque", "torque_command", "compensation", "model", "residual", "load_torque"), torque)
     of_velocity = dict.fromkeys(("velocity", "velocity_reference"), f"{position}/s")
     return {"position": position, "position_reference": position, "temperature": "°C"} | of_torque | of_velocity

@@ -59,6 +59,9 @@ def read_wrapped_degrees(
 
 
 def _wraps(position: Samples) -> bool:
+    way = np.ptp(position)
+    if way <= _HALF or _TURN < way < np.inf:  # of a missing number neither is so
+        return False
     finite = position[np.isfinite(position)]
     steps = np.abs(np.diff(finite))
     far = steps[steps > _HALF]

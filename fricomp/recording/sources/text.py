@@ -158,7 +158,7 @@ def _decode(start: bytes, encoding: str) -> str | None:
         text = codecs.getincrementaldecoder(encoding)().decode(start)
     except UnicodeDecodeError:
         return None
-    return None if "\0" in _NULS.sub("", text) else text
+    return None if "\0" in text and "\0" in _NULS.sub("", text) else text
 
 
 def _count_words(text: str) -> int:
