@@ -29,7 +29,7 @@ Single letters but q are left out: they are as often a joint's name."""
 TIMES: tuple[str, ...] = (
     *("t", "ts", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "tstamp", "elapsed", "date", "datum"),
     *("clock", "zeit", "uhrzeit", "zeitstempel", "temps", "heure", "tiempo", "hora", "fecha", "tempo", "tijd", "tid"),
-    *("czas", "cas", "время", "час", "时间", "時間", "时刻", "時刻", "시간", "tout", "ipoc"),
+    *("czas", "cas", "время", "час", "时间", "時間", "时刻", "時刻", "시간", "tout", "ipoc", "zeitpunkt"),
 )
 """Words for a time."""
 

@@ -83,7 +83,7 @@ _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
     r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
-    r"|turns/s|turns|rev/s|rev|mnm|nmm|ncm|cnm|knm|nm|m?n[·._*]m|n[·._*-]mm|[uµμ]nm|[uµμ]n[·._*-]m|gf?[·._*-]?cm|kgf?[·._*-]?m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
+    r"|turns/s|turns|rev/s|rev|mnm|nmm|n[·._*-]?cm|cnm|knm|nm|m?n[·._*]m|n[·._*-]mm|[uµμ]nm|[uµμ]n[·._*-]m|gf?[·._*-]?cm|kgf?[·._*-]?m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|[uµμ]m|m/s|cm|degc|kn|mv|e?rpm"
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"

@@ -30,7 +30,7 @@ from .choice import TORQUES
 from .column import read_column_name
 from .entries import drop_numbered_twins, fill_spans, name_listed, number_repeated
 from .long_rows import separate_long_rows
-from .sparse import place_pairs
+from .sparse import place_pairs, place_series
 from .times.clock import find_stamps
 
 _BAGS = (".db3", ".bag")
@@ -68,7 +68,7 @@ def read_named_columns(path: Path) -> dict[str, Samples]:
     )
     columns, words = found
     named = {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
-    return separate_long_rows(_with_said_units(drop_numbered_twins(named), words), words)
+    return separate_long_rows(_with_said_units(place_series(drop_numbered_twins(named)), words), words)
 
 
 def _with_said_units(columns: dict[str, Samples], words: Mapping[str, list[str]]) -> dict[str, Samples]:

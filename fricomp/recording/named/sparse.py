@@ -1,5 +1,6 @@
 """Rows that hold one channel each, as several topics in one table have them."""
 
+import re
 from collections.abc import Mapping
 
 import numpy as np
@@ -9,6 +10,8 @@ from fricomp.recording.validity import Samples
 
 _TOGETHER = 0.5
 """Part of the rarer channel's rows that have the position as well, from which on the rows are those of one table."""
+_SERIES = re.compile(r"\.(?:data|values|signals\.values)$", re.IGNORECASE)
+"""What the numbers of one signal are called, beside its time."""
 _FEWEST = 50
 """Rows of a channel that are a log of it."""
 
@@ -46,6 +49,30 @@ def place_pairs(columns: dict[str, Samples]) -> dict[str, Samples]:
         if not np.array_equal(columns[stamp], columns[first], equal_nan=True)
     }
     return {name: placed.get(name, values) for name, values in columns.items() if name not in stamps.values()}
+
+
+def place_series(columns: dict[str, Samples]) -> dict[str, Samples]:
+    """The columns at the times of the longest, where each has its own beside it: `q.Time` and `q.Data` of a simulation
+    that logs its signals at several rates.
+
+    Args:
+        columns: By name; of several lengths.
+    """
+    stamps = {name.rpartition(".")[0]: name for name in columns if name.rpartition(".")[2].lower() == "time"}
+    owners = {
+        name: stamps[signal]
+        for name, values in columns.items()
+        if (signal := _SERIES.sub("", name)) != name
+        and signal in stamps
+        and values.size == columns[stamps[signal]].size
+    }
+    sizes = {columns[stamp].size for stamp in owners.values()}
+    if len(sizes) < 2:
+        return columns
+    longest = max(owners.values(), key=lambda stamp: columns[stamp].size)
+    placed = {name: _read_between(columns[longest], columns[stamp], columns[name]) for name, stamp in owners.items()}
+    dropped = set(stamps.values()) - {longest}
+    return {name: placed.get(name, values) for name, values in columns.items() if name not in dropped}
 
 
 def _read_between(at: Samples, time: Samples, values: Samples) -> Samples:

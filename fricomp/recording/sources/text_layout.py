@@ -207,7 +207,8 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
         return TextLayout(mark, decimal, pairs, row, row, in_comment=True)
     headings: list[_Heading] = []
     first, cells = row, split_cells(lines[row], mark)
-    for line in _list_above(lines[:row], mark, width):
+    numbered = _count_rows(lines[row:], mark)
+    for line in _list_above(lines[:row], mark, width, numbered=numbered):
         if _are_addresses(line.cells, cells) or not any(map(is_entry, line.cells)):
             headings.append(line)
         elif _is_fact(line.cells, cells):
@@ -244,29 +245,30 @@ def _find_decimal(rows: Sequence[str], mark: str) -> str:
     return "." if mark == "," or any(map(DECIMAL_POINT.fullmatch, cells)) else ","
 
 
-def _list_above(above: Sequence[str], mark: str, width: int) -> Iterator[_Heading]:
+def _list_above(above: Sequence[str], mark: str, width: int, *, numbered: bool) -> Iterator[_Heading]:
     """The lines above a row with as many cells, the nearest first, up to one that has not; no comments of numbers."""
     around = " \r\n" if mark == "\t" else None  # blank cells at an end are cells
     for number, line in reversed([(number, line.strip(around)) for number, line in enumerate(above)]):
         if not line.strip() or _RULE.fullmatch(line):
             continue
         bare = line.lstrip("#%/ ") if is_comment(line) else line
-        found = _Heading(number, _split_heading(bare, mark, width), is_comment(line))
+        found = _Heading(number, _split_heading(bare, mark, width, numbered=numbered), is_comment(line))
         if not found.is_comment and not _fits(found.cells, width):
             return
         if not found.is_comment or (_fits(found.cells, width) and not any(map(is_entry, found.cells))):
             yield found
 
 
-def _split_heading(line: str, mark: str, width: int) -> list[str]:
+def _split_heading(line: str, mark: str, width: int, *, numbered: bool) -> list[str]:
     """The cells of a line above the rows: between white space a unit in brackets belongs to the name before it, and of
-    names with a space in them two spaces stand between.
+    names with a space in them two spaces stand between. Numbers in front of the rows may have no name.
     """
     cells = split_cells(line, mark)
-    if mark or len(cells) == width:
+    if mark or len(cells) == width or (numbered and len(cells) == width - 1):
         return cells
-    joined = [_WIDE.split(line.strip()), [one.strip() for one in _WITH_UNIT.findall(line)]]
-    return next((one for one in joined if len(one) == width), cells)
+    apart, joined = _WIDE.split(line.strip()), [one.strip() for one in _WITH_UNIT.findall(line)]
+    tried = [(apart, width - 1), (apart, width), (joined, width), (joined, width - 1)]
+    return next((one for one, count in tried if len(one) == count and (numbered or count == width)), cells)
 
 
 def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled: bool) -> TextLayout:

@@ -114,9 +114,23 @@ def german_short_words() -> Form:
     return "z.csv", head + _rows("{0:.6f};{1:.9g};{2:.9g};{3:.9g}", columns)
 
 
+def data_frame() -> Form:
+    head = "        time [s]    joint angle [deg]   torque [Nm]\n"
+    cells = zip(TIME, np.rad2deg(POSITION), TORQUE, strict=True)
+    rows = [f"{k:<6d}  {t:.6f}  {q:.9g}  {tau:.9g}\n" for k, (t, q, tau) in enumerate(cells)]
+    return "f.txt", head + "".join(rows)
+
+
+def days() -> Form:
+    columns = np.stack([46082.5 + TIME / 86400.0, np.rad2deg(POSITION), TORQUE], axis=1)
+    rows = _rows("{0:.12f};{1:.9g};{2:.9g}", columns)
+    return "e.csv", "Zeitpunkt;Winkel in Grad;Drehmoment in Nm\n" + rows.replace(".", ",")
+
+
 EXACT: list[Callable[[], Form]] = [
     moteus_print, labview_without_times, gnuplot, numpy_rows, named_lists, yaml_items, yaml_lists,
     yaml_lists_in_brackets, trajectory_controller, process_values, german_short_words,
+    data_frame, days,
 ]  # fmt: skip
 
 
@@ -147,6 +161,17 @@ def test_channels_of_a_scope_with_two_rates_meet_at_the_times_of_the_first(tmp_p
     assert len(recording) >= TIME.size - 2
     assert float(np.sqrt(np.mean((recording.torque - TORQUE[: len(recording)]) ** 2))) < 0.3 * float(np.std(TORQUE))
     assert recording.torque[::2] == pytest.approx(TORQUE[: len(recording) : 2], abs=1e-6)
+
+
+def test_signals_of_a_simulation_at_two_rates_meet_at_the_times_of_the_longer(tmp_path: Path) -> None:
+    from scipy.io import savemat
+
+    half = {"Time": TIME[::2], "Data": np.sin(3.0 * TIME[::2])}
+    savemat(tmp_path / "a.mat", {"out": {"q": {"Time": TIME, "Data": POSITION}, "tau": half}})
+    recording = read_content(tmp_path / "a.mat").recording
+    assert recording.position == pytest.approx(POSITION[: len(recording)], abs=1e-9)
+    assert recording.torque == pytest.approx(np.sin(3.0 * recording.time), abs=1e-3)
+    assert len(recording) >= TIME.size - 2
 
 
 def test_a_duty_cycle_is_no_torque_where_a_current_stands_beside_it(tmp_path: Path) -> None:

@@ -43,6 +43,7 @@ def convert_as_told(path: Path, folder: Path, skip: int) -> None:
     [
         ("Bench 3\nTorque is given in mNm\n", 1.0, 1e3),
         ("Bench 3\nall angles in degrees, all torques in Ncm\n", 180.0 / np.pi, 1e2),
+        ("# Position: mrad, Torque: N.cm\n", 1e3, 1e2),
         ("// positions: mrev and torque: mNm\n", 500.0 / np.pi, 1e3),
     ],
 )

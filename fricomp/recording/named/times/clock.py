@@ -45,7 +45,7 @@ _TIME_UNIT = re.compile(rf"[\[(]\s*{TIME_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _COUNTER = re.compile(
     r"(^|[/_. ])(samples?|index|idx|n|nr|no|counter|count|cycles?|rows?)([_ ]?(no|nr|num\w*))?$", re.I
 )
-TICK = re.compile(r"(^|[/_. ])ticks?$", re.IGNORECASE)
+TICK = re.compile(r"(^|[/_. ])(sys)?ticks?([_ ]?(count|counter|cnt))?$", re.IGNORECASE)
 _MOTOR_STATE = re.compile(r"motor_?state", re.IGNORECASE)
 """The counter of milliseconds beside the motors' states of a robot by Unitree."""
 _SECONDS = re.compile(r"^(.*?)(secs?|seconds|s)$", re.IGNORECASE)

@@ -59,8 +59,9 @@ def test_ticks_are_as_many_a_second_as_stands_above_them(tmp_path: Path) -> None
         assert recording.time == pytest.approx(TIME, abs=1.0 / CLOCK)
 
 
-def test_ticks_of_unknown_size_are_asked_about_and_the_proposal_asks_too(tmp_path: Path) -> None:
-    path = write(tmp_path, "ticks", np.round(CLOCK * TIME).astype(np.int64))
+@pytest.mark.parametrize("name", ["ticks", "TickCount", "systick", "timer_ticks"])
+def test_ticks_of_unknown_size_are_asked_about_and_the_proposal_asks_too(name: str, tmp_path: Path) -> None:
+    path = write(tmp_path, name, np.round(CLOCK * TIME).astype(np.int64))
     with pytest.raises(RecordingError, match="scale = 1/TICKS_A_SECOND"):
         read_content(path)
     proposal = inspect_log(path).guess
