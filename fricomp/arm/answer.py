@@ -117,9 +117,9 @@ class ArmAnswer:
         }
 
     def measure_unexplained(self, joint: int) -> float:
-        """Held-out error of a joint over means of 0.2 s, as part of its friction."""
+        """Held-out error of a joint that lasts from one mean of 0.2 s to the next, as part of its friction."""
         _, names = self.identification.fit.find_friction(joint)
-        return float(self.errors.means[-1, joint]) / max(self._measure_friction(joint, names), 1e-300)
+        return float(self.errors.lasting[joint]) / max(self._measure_friction(joint, names), 1e-300)
 
     def _measure_part(self, joint: int, term: str) -> float:
         """RMS of what a term adds to a joint, as part of all friction of it."""

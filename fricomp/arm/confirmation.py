@@ -7,6 +7,7 @@ in which it comes again is kept with it; drawn in complementary pairs, it bounds
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -37,6 +38,9 @@ _MEANS = (0.1, 0.2)
 The longer they are, the less noise is in them, and the more of what is left is a term that acts for as long; what a
 model has wrong stays. Over longer ones, terms that come by chance lower the error by nearly a tenth as well."""
 
+_SURE = 2.0
+"""Standard deviations of chance by which means must have more in common than none."""
+
 _TOLD_APART = 1e-3
 """Part of the largest below which what a few rows tell of plain friction counts as nothing: where a joint hardly goes
 back, its Coulomb and its constant torque are one, and their difference would be anything."""
@@ -53,6 +57,7 @@ class HeldOutErrors:
         model: Of the whole model.
         means: Of the whole model, over means of 0.1 and 0.2 s. Shape (2, n_joints).
         weighted: Of the whole model, over rows that count as much as they do in the fit.
+        lasting: Of the whole model, what means of 0.2 s surely share with the next one that has other noise.
     """
 
     simulation: FloatArray
@@ -60,6 +65,7 @@ class HeldOutErrors:
     model: FloatArray
     means: FloatArray
     weighted: FloatArray
+    lasting: FloatArray
 
 
 def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
@@ -123,7 +129,8 @@ class ConfirmedData:
         """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
         plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms), pinned=frozenset())
         fold, moving = self._block % _FOLDS, self.equations.moving.astype(np.float64)
-        whole, means, weighted = self.measure_model(fit.model, fit)
+        left = self.leave_out(fit.model, fit)
+        whole, means, weighted = self._measure(left)
         simulated = [fit_plainly(self._arm, self.equations, fold != k)[1] for k in range(_FOLDS)]
         return HeldOutErrors(
             simulation=_measure_rows(_join_folds(fold, simulated), moving),
@@ -131,6 +138,7 @@ class ConfirmedData:
             model=whole,
             means=means,
             weighted=weighted,
+            lasting=_measure_lasting(self.equations, left, self._spans[-1], _count_spans(self.rows.cutoff)),
         )
 
     def measure_model(self, model: ArmModel, start: ArmFit) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -143,7 +151,10 @@ class ConfirmedData:
         Returns:
             Shapes (n_joints,), (2, n_joints) and (n_joints,).
         """
-        left = self.leave_out(model, start)
+        return self._measure(self.leave_out(model, start))
+
+    def _measure(self, left: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The same of what a model leaves. Shape (n, n_joints)."""
         means = [_measure_means(self.equations, left, spans) for spans in self._spans]
         weights = self.equations.weights.rows
         return (
@@ -173,6 +184,24 @@ def _list_spans(rows: ArmRows, mean: float) -> NDArray[np.intp]:
     number = np.floor(rows.time / mean).astype(np.intp)
     changes = (np.diff(number) != 0) | (np.diff(rows.part) != 0)
     return np.asarray(np.concatenate([[0], np.flatnonzero(changes) + 1]), dtype=np.intp)
+
+
+def _count_spans(cutoff: float) -> int:
+    """Spans from one to the next whose noise, of a band up to `cutoff` [Hz], is another."""
+    return max(1, math.ceil(0.5 / (cutoff * _MEANS[-1]) - 1e-9))
+
+
+def _measure_lasting(equations: ArmEquations, left: FloatArray, spans: NDArray[np.intp], apart: int) -> FloatArray:
+    """RMS of what the means of spans have in common with those that many spans later, beyond what chance makes of them.
+
+    Noise of a torque or an encoder is another in each. Shape (n_joints,).
+    """
+    count = np.add.reduceat(equations.moving.astype(np.float64), spans, axis=0)
+    means = np.add.reduceat(np.where(equations.moving, left, 0.0), spans, axis=0) / np.maximum(count, 1.0)
+    weights = np.sqrt(count[apart:] * count[:-apart])
+    shared, total = weights * means[apart:] * means[:-apart], np.maximum(np.sum(weights, axis=0), 1.0)
+    sure = np.sum(shared, axis=0) - _SURE * np.sqrt(np.sum(shared**2, axis=0))
+    return np.asarray(np.sqrt(np.maximum(sure, 0.0) / total))
 
 
 def _measure_means(equations: ArmEquations, left: FloatArray, spans: NDArray[np.intp]) -> FloatArray:

@@ -103,8 +103,8 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         error_simulation: Held-out RMS error of the simulation's inverse dynamics, Coulomb and viscous friction fitted.
         error_plain: The same with links and rotors fitted as well.
         error_model: Of the whole model.
-        unexplained: What the whole model leaves over means of 0.2 s, in which there is little noise, as part of the
-            friction of the joint.
+        unexplained: What the whole model leaves that lasts from one mean of 0.2 s to the next, as no noise does, as
+            part of the friction of the joint.
         files: Errors of the written files; None where the recording is too short for them.
         stiffness: Of its gear, where the motor's position was recorded and the gear gives way.
         creep_velocity: Speed below which its friction is viscous and holds nothing, as that of a simulator; None where

@@ -94,7 +94,7 @@ def test_a_gap_matters_by_the_rows_that_count_and_what_has_a_factor_by_all(healt
     found, ones = healthy.answer.identification, np.ones(3)
     data = Held(found.fit.arm, found.equations, found.prior, found.rows)
     errors = HeldOutErrors(
-        simulation=ones, plain=ones, model=0.98 * ones, means=np.full((2, 3), 0.97), weighted=0.3 * ones
+        simulation=ones, plain=ones, model=0.98 * ones, means=np.full((2, 3), 0.97), weighted=0.3 * ones, lasting=ones
     )
     for name, fall in (("backlash", 0.4), ("quadratic_drag", 0.03)):
         forms = (JointForm(((name, 0),)), JointForm(), JointForm())
