@@ -39,6 +39,7 @@ from .search.shared_delay import SharedDelay, share_delays
 from .search.stribeck import is_curve
 from .timing.bandwidth import choose_again, choose_rows
 from .timing.delay_correction import move_torques, take_off_delay
+from .timing.gear_band import choose_lower, find_gaps
 
 __all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "ArmSearch", "identify_arm", "identify_without"]
 
@@ -166,6 +167,11 @@ class ArmSearch:
         other = choose_again(found.rows, found.equations, found.fit, self.recording, self.prior, begun.weights.noise)
         if other is not None:
             found = self.search_again(*other, found)
+        while lower := choose_lower(found.rows, found.equations, found.fit, self.recording, self.prior):
+            found = self.search_again(*lower, found)
+        gaps = find_gaps(found.rows, found.equations, found.fit, self.recording, self.prior)
+        if gaps is not None:
+            found = replace(found, rows=gaps.rows, equations=gaps.equations, fit=gaps.fit)
         model = found.fit.model
         fit, equations = fit_robustly(self.arm, found.rows, found.equations, model, self.prior, found.fit, settled=True)
         return replace(found, fit=fit, equations=equations, begun=(rows, begun))

@@ -43,8 +43,8 @@ _NYQUIST_SHARE = 0.4
 
 _SETTLING = 3.0
 """Left out at both ends of a part, in periods of the cutoff. Turned over, an arm in full swing brakes where it went on,
-and its torque does not. The slowest poles of the filter are damped by 0.38, so that a tenth of that is still there after
-one period, and a thousandth after three."""
+and its torque does not. The slowest poles of the filter are damped by 0.38: a tenth of that is left after one period,
+and a thousandth after three."""
 
 _COUNTS = 4.0
 """Steps of an encoder that a joint must advance in a period of the smoothing's cutoff for its direction to be known."""

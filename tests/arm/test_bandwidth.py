@@ -15,11 +15,15 @@ from fricomp.arm.identification import ArmSearch
 from fricomp.arm.prior import ArmPrior
 from fricomp.arm.robust_fit import fit_robustly
 from fricomp.arm.rows import build_rows
+from fricomp.arm.search.gear import YIELDING_GEAR, GearSearch
+from fricomp.arm.search.gear_motion import GearMotion
+from fricomp.arm.search.judge import JointJudges
 from fricomp.arm.search.shared_delay import SharedDelay, measure_delay
 from fricomp.arm.timing import delay_correction
 from fricomp.arm.timing.bandwidth import choose_again, choose_rows
+from fricomp.arm.timing.gear_band import choose_lower
 
-from .moving_arm import record_arm, write_arm
+from .moving_arm import bend_gear, record_arm, write_arm
 from .test_examination import follow_load
 
 
@@ -58,3 +62,25 @@ def test_a_delay_stands_in_another_band_until_what_was_found_beside_it_is_found_
     again = search.search_again(rows, equations, first)
     assert any("load_coulomb" in form.names for form in seen[0])
     assert again.delay.value == pytest.approx(first.delay.value, abs=5e-4)
+
+
+@pytest.mark.parametrize(("bends", "is_other"), [(False, True), (True, False)])
+def test_a_gear_that_encoders_make_is_another_one_in_half_of_the_band(
+    tmp_path: Path, *, bends: bool, is_other: bool
+) -> None:
+    """Noise of their steps grows with the square of the frequency, and looks like a load that follows its motor."""
+    stiffness, rotors = 400.0, (0.3, 0.2, 0.1) if bends else (30.0, 20.0, 10.0)
+    simulation, prior = write_arm(tmp_path, rotors=rotors), ArmPrior()
+    bend = bend_gear(1, stiffness, "motor") if bends else None
+    arm, recording = match_recordings(record_arm(simulation, duration=20.0, rate=125.0, bend=bend), simulation)
+    rows = build_rows(arm, recording, 20.0)
+    model = ArmModel((JointForm(), JointForm().with_term(YIELDING_GEAR, 0), JointForm()))
+    plain = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+    rigid, equations = fit_robustly(arm, rows, plain, ArmModel.build_plain(3), prior)
+    search = GearSearch(GearMotion(rows, rigid), "spring")
+    equations = search.propose(equations, rigid, prior, JointJudges(equations, rigid))
+    assert equations.gears["spring"][1, 1] > 0.0
+    fit, equations = fit_robustly(arm, rows, equations, model, prior, rigid)
+    lower = choose_lower(rows, equations, fit, recording, prior)
+    assert (lower is not None) is is_other
+    assert lower is None or lower[0].cutoff == 10.0

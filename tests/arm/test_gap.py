@@ -14,11 +14,19 @@ from fricomp.arm import ArmExamination, examine_arm
 from fricomp.arm.answer import _measure_fall
 from fricomp.arm.confirmation import ConfirmedData, HeldOutErrors
 from fricomp.arm.coordinates import ArmModel, Coordinates
+from fricomp.arm.equations import build_equations
+from fricomp.arm.examination import match_recordings
 from fricomp.arm.fit import ArmFit
 from fricomp.arm.friction import PLAIN, JointForm
+from fricomp.arm.log import read_arm_log
 from fricomp.arm.physics import is_physical
+from fricomp.arm.prior import ArmPrior
+from fricomp.arm.robust_fit import fit_robustly
+from fricomp.arm.rows import ArmRows, build_rows
+from fricomp.arm.search.gear import GearSearch
 from fricomp.arm.search.gear_motion import Gear, GearMotion
 from fricomp.arm.squares import WeightedSquares
+from fricomp.arm.timing.gear_band import find_gaps
 from fricomp.laws import FloatArray
 from fricomp.sim_bench.cases.arm import ArmSpec, generate_arm, write_arm_case
 
@@ -114,6 +122,34 @@ def test_a_gap_is_named_with_its_width(tmp_path: Path) -> None:
     assert [name for names in names_of(record).values() for name in names] == ["backlash"]
     (effect,) = next(joint.effects for joint in record.joints if joint.name == "elbow")
     assert effect.parameters["gap"].value == pytest.approx(truth.change.truth["gap"], rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_gear_that_gives_way_in_a_narrow_band_is_a_gap_in_a_wider_one(tmp_path: Path) -> None:
+    case = generate_arm(ArmSpec(seed=11, effects=(("elbow", "backlash"),), wrong_links=0, duration=25.0))
+    folder, prior = write_arm_case(case, tmp_path), ArmPrior()
+    (log,) = read_arm_log([folder / "log"], simulation=folder / "arm.xml").sessions
+    arm, recording = match_recordings(log, folder / "arm.xml")
+    rows, elbow = build_rows(arm, recording, 2.5), arm.joints.index("elbow")
+    plain = ArmModel.build_plain(6)
+    bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+    rigid, equations = fit_robustly(arm, rows, bare, plain, prior)
+    assert find_gaps(rows, equations, rigid, recording, prior) is None
+    gear = np.zeros((6, 3))
+    gear[elbow] = 0.0, choose_stiffness(rows, rigid, elbow), 0.1
+    equations = GearSearch(GearMotion(rows, rigid), "spring").build(equations, gear)
+    forms = (*plain.forms[:elbow], JointForm((("joint_elasticity", 0),)), *plain.forms[elbow + 1 :])
+    yielding, equations = fit_robustly(arm, rows, equations, ArmModel(forms), prior, rigid)
+    gaps = find_gaps(rows, equations, yielding, recording, prior)
+    assert gaps is not None
+    assert gaps.rows.cutoff > 2.5
+    assert gaps.fit.model.forms[elbow].names == ("backlash",)
+    assert gaps.equations.gears["gap"][elbow, 0] == pytest.approx(case.effects[0].change.truth["gap"], rel=0.15)
+
+
+def choose_stiffness(rows: ArmRows, fit: ArmFit, joint: int) -> float:
+    """Of teeth on which the load of a joint swings at 10 Hz [N·m/rad]."""
+    return float(GearMotion(rows, fit).inertia[joint] * (2.0 * np.pi * 10.0) ** 2)
 
 
 def test_a_gear_that_cannot_be_simulated_explains_nothing(healthy: ArmExamination) -> None:

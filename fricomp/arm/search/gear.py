@@ -29,6 +29,9 @@ from .judge import JointJudge, JointJudges
 YIELDING_GEAR = "joint_elasticity"
 """Name of the term of a gear that gives way."""
 
+GAP = "backlash"
+"""Name of the term of a gear with a gap."""
+
 _WIDTHS = tuple(3e-4 * 2.0 ** (0.5 * k) for k in range(13))
 """[rad] or [m] that a search starts from, up to 19 mrad; between two of them the time to cross differs by an eighth."""
 
@@ -87,7 +90,7 @@ class _Kind:
 
 
 _KINDS: dict[Filled, _Kind] = {
-    "gap": _Kind("backlash", tuple(product((0.0, *_WIDTHS), _RATES)), Gear._fields, "width", _TURNS, np.inf),
+    "gap": _Kind(GAP, tuple(product((0.0, *_WIDTHS), _RATES)), Gear._fields, "width", _TURNS, np.inf),
     "spring": _Kind(
         YIELDING_GEAR, tuple((0.0, rate) for rate in _YIELDING), ("stiffness", "damping"), "stiffness", 0, 0.03
     ),

@@ -26,31 +26,37 @@ from ..rows import ArmRows, build_rows
 from ..search.gear import GearSearch
 from ..search.gear_motion import GearMotion
 
-_CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
+CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """[Hz] that are tried."""
 
-_MOST_OF_RATE = 0.2
+MOST_OF_RATE = 0.2
 """Highest cutoff, as part of the sample rate."""
 
 _FELL = 0.5
 """Part of its noise that is left of a joint, from which on what was found in it may ask for another cutoff."""
 
+_MOST_SETTLING = 0.25
+"""Part of the recording that filters may take to settle: of a few seconds, links and friction hold whatever is missing,
+so that what is left is no measure of a band."""
+
 _CLEARLY = 6.0
 """By how much the logarithm of the parameters' volume must fall at a higher cutoff: e³ in their standard deviations."""
 
 
-class _Look(NamedTuple):
+class BandLook(NamedTuple):
     """What a cutoff is worth.
 
     Attributes:
         volume: Logarithm of the volume of the parameters' covariance.
         rows: At this cutoff.
         equations: As they were fitted.
+        fit: Of these equations.
     """
 
     volume: float
     rows: ArmRows
     equations: ArmEquations
+    fit: ArmFit
 
 
 def choose_rows(
@@ -67,9 +73,9 @@ def choose_rows(
     Raises:
         IdentificationError: No cutoff leaves enough rows.
     """
-    looks: list[_Look] = []
-    for cutoff in _CUTOFFS:
-        if looks and cutoff > _MOST_OF_RATE / recording.period:
+    looks: list[BandLook] = []
+    for cutoff in CUTOFFS:
+        if looks and cutoff > MOST_OF_RATE / recording.period:
             break
         rows = build_rows(arm, recording, cutoff)
         if len(rows) < 3 * len(arm.joints):
@@ -78,7 +84,14 @@ def choose_rows(
         looks.append(_look(arm, rows, bare, model, prior))
     if not looks:
         raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
-    return _begin(arm, min(looks, key=lambda one: one.volume))
+    long_enough = [one for one in looks if is_long_enough(one.rows, recording)]
+    return begin_search(arm, min(long_enough or looks[-1:], key=lambda one: one.volume))
+
+
+def is_long_enough(rows: ArmRows, recording: ArmRecording) -> bool:
+    """Whether filters that settle leave most of a recording."""
+    kept = sum(float(np.ptp(rows.time[rows.part == k])) for k in np.unique(rows.part))
+    return kept >= (1.0 - _MOST_SETTLING) * recording.duration
 
 
 def choose_again(
@@ -106,32 +119,37 @@ def choose_again(
     if not np.any(equations.weights.noise < _FELL * noise):
         return None
     geared = fit.model.geared
-    most = _MOST_OF_RATE / recording.period
-    others = [one for one in _CUTOFFS if (one < rows.cutoff if geared else rows.cutoff < one <= most)]
-    looks: list[_Look] = []
+    most = MOST_OF_RATE / recording.period
+    others = [one for one in CUTOFFS if (one < rows.cutoff if geared else rows.cutoff < one <= most)]
+    looks: list[BandLook] = []
     for cutoff in (rows.cutoff, *others) if others else ():
         fresh = build_rows(fit.arm, recording, cutoff)
-        if looks and len(fresh) < 3 * len(fit.arm.joints):
+        if looks and not is_long_enough(fresh, recording):
             continue
-        bare = build_equations(fit.arm, fresh, fit.compute_load(fresh)).with_ripple(fresh, equations.ripple)
-        for filled in GEARS if geared else ():
-            bare = GearSearch(GearMotion(fresh, fit), filled).build(bare, equations.gears[filled])
-        looks.append(_look(fit.arm, fresh, bare, fit.model, prior))
+        looks.append(look_again(fresh, equations, fit, prior))
     best = min(looks, key=lambda one: one.volume, default=None)
     least = 0.0 if geared else _CLEARLY  # the name of a gear hangs on it
-    return _begin(fit.arm, best) if best is not None and best.volume < looks[0].volume - least else None
+    return begin_search(fit.arm, best) if best is not None and best.volume < looks[0].volume - least else None
 
 
-def _look(arm: SimulatedArm, rows: ArmRows, bare: ArmEquations, model: ArmModel, prior: ArmPrior) -> _Look:
+def look_again(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> BandLook:
+    """The same of what was found at other rows."""
+    bare = build_equations(fit.arm, rows, fit.compute_load(rows)).with_ripple(rows, equations.ripple)
+    for filled in GEARS if fit.model.geared else ():
+        bare = GearSearch(GearMotion(rows, fit), filled).build(bare, equations.gears[filled])
+    return _look(fit.arm, rows, bare, fit.model, prior)
+
+
+def _look(arm: SimulatedArm, rows: ArmRows, bare: ArmEquations, model: ArmModel, prior: ArmPrior) -> BandLook:
     fit, equations = fit_robustly(arm, rows, bare, model, prior)
     whole = equations.with_residuals(fit.residuals(equations), rows, robust=False)
     fit = fit_arm(arm, whole, model, prior, fit)
     size = np.sqrt(np.diag(fit.covariance))
     volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
-    return _Look(volume, rows, equations)
+    return BandLook(volume, rows, equations, fit)
 
 
-def _begin(arm: SimulatedArm, look: _Look) -> tuple[ArmRows, ArmEquations]:
+def begin_search(arm: SimulatedArm, look: BandLook) -> tuple[ArmRows, ArmEquations]:
     """Equations with all columns, and the weights of a look."""
     rows = look.rows
     return rows, replace(build_equations(arm, rows, rows.links @ arm.inertia.ravel()), weights=look.equations.weights)
