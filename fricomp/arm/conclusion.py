@@ -191,9 +191,11 @@ def _describe_effect(
         if filled == "gap":
             parameters = {"gap": Quantity(width, position, (low, high))}
         else:  # below its swing a stiffer gear with a larger factor would do the same
-            least, most = (max(end, 1e-9) for end in parameters["share"].ci95)
-            ends = min(low, stiffness / most), max(high, stiffness / least)
-            parameters = {"stiffness": Quantity(stiffness, f"{torque}/{position}", ends)}
+            share = parameters["share"]
+            least, most = (max(end, 1e-9) for end in share.ci95)
+            value = stiffness / share.value
+            ends = min(low, stiffness / most, value), max(high, stiffness / least, value)
+            parameters = {"stiffness": Quantity(value, f"{torque}/{position}", ends)}
     if term == SPRING:
         parameters["rest_position"] = _find_rest(found, joint, parameters["stiffness"], values["offset"])
     if TERMS[term].filled == "delay":

@@ -40,6 +40,7 @@ from .search.stribeck import is_curve
 from .timing.bandwidth import choose_again, choose_rows
 from .timing.delay_correction import move_torques, take_off_delay
 from .timing.gear_band import choose_lower, find_gaps
+from .timing.ripple_band import find_ripples
 
 __all__ = ["EVIDENCE", "LOOK_STEPS", "ArmIdentification", "ArmSearch", "identify_arm", "identify_without"]
 
@@ -169,9 +170,12 @@ class ArmSearch:
             found = self.search_again(*other, found)
         while lower := choose_lower(found.rows, found.equations, found.fit, self.recording, self.prior):
             found = self.search_again(*lower, found)
-        gaps = find_gaps(found.rows, found.equations, found.fit, self.recording, self.prior)
-        if gaps is not None:
-            found = replace(found, rows=gaps.rows, equations=gaps.equations, fit=gaps.fit)
+        for look in (find_gaps, find_ripples):
+            seen = look(found.rows, found.equations, found.fit, self.recording, self.prior)
+            if seen is not None:
+                new = _list_terms(seen.fit) - _list_terms(found.fit)
+                trials = found.trials | dict.fromkeys(new, seen.gain)
+                found = replace(found, rows=seen.rows, equations=seen.equations, fit=seen.fit, trials=trials)
         model = found.fit.model
         fit, equations = fit_robustly(self.arm, found.rows, found.equations, model, self.prior, found.fit, settled=True)
         return replace(found, fit=fit, equations=equations, begun=(rows, begun))
@@ -324,6 +328,12 @@ def _evidence_of(tried: tuple[str, ArmFit]) -> float:
 def _order(tried: Sequence[tuple[str, ArmFit]]) -> list[str]:
     """Names in the order in which they are proposed: simpler ones come first."""
     return list(dict.fromkeys(name for name, _ in tried))
+
+
+def _list_terms(fit: ArmFit) -> set[str]:
+    """Names of all terms of all joints, as models are proposed."""
+    pairs = zip(fit.arm.joints, fit.model.forms, strict=True)
+    return {f"{joint}: {name}" for joint, form in pairs for name in form.names}
 
 
 def _is_rival(name: str, other: str) -> bool:

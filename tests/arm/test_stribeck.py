@@ -280,7 +280,7 @@ def test_intervals_hold_friction_where_a_drag_looks_like_a_wide_curve(tmp_path: 
         return bent - 0.4 * v if joint == 0 else np.zeros_like(v)
 
     simulation = write_arm(tmp_path)
-    record = examine_arm(record_arm(simulation, drag, duration=30.0, noise=0.3), simulation).record
+    record = examine_arm(record_arm(simulation, drag, duration=30.0, noise=0.3, seed=1), simulation).record
     friction = record.joints[0].friction
     assert record.joints[0].effects == ()
     for name, truth in (("coulomb", 1.2), ("viscous", 0.2)):

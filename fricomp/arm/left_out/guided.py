@@ -78,7 +78,8 @@ def find_guided(arm: SimulatedArm, recording: ArmRecording, settings: GuidedSett
     if not len(rows):
         return ()
     equations = build_equations(arm, rows, rows.links @ arm.inertia.ravel(), plain=True)
-    number = np.floor((rows.time - rows.time[0]) / settings.stretch).astype(np.intp)
+    start, half = float(recording.parts[0].time[0]), 0.5 * settings.stretch
+    number = np.floor((rows.time - start) / settings.stretch).astype(np.intp)
     stretches, number = np.unique(number, return_inverse=True)
     if len(stretches) < settings.fewest:
         return ()
@@ -88,7 +89,6 @@ def find_guided(arm: SimulatedArm, recording: ArmRecording, settings: GuidedSett
     foreign = (left > settings.rubs * level) & (left > settings.louder * usual)
     moving = np.sum(np.isfinite(left), axis=1)
     guided = _keep_rows((np.sum(foreign, axis=1) >= settings.share * moving) & (moving > 1), settings.row)
-    start, half = float(rows.time[0]), 0.5 * settings.stretch
     spans = [
         (start + settings.stretch * k - half, start + settings.stretch * (k + 1) + half)
         for k in stretches[guided].tolist()

@@ -62,6 +62,9 @@ _TURNS = 2
 _HALF_CHI_SQUARE, _STEP, _WIDEST = 1.92, 1.02, 2.0
 """Half of the 95 % point of χ² of one number, the step in which its ends are looked for, and how far they are."""
 
+_MOST_SHARE = 2.0
+"""Ratio by which a stiffness follows the factor on what its gear changes at once: further off, it is another gear."""
+
 _TEETH_POWER = 0.5
 """Power of the first steps by which stiffness and damping follow a width on the way to its ends."""
 
@@ -136,6 +139,7 @@ class GearSearch:
         found = {j: one for j in self._joints if j not in has and (one := self._choose(judges[j], j)).gain > 0.0}
         known = {j: _Tried(Gear(*equations.gears[self._filled][j].tolist()), 1.0) for j in has}
         if self._kind.spread < np.inf:
+            known = {j: one._replace(gear=self._take_share(one.gear, fit, j)) for j, one in known.items()}
             new = found.keys() - self._settled.keys()
             settled = self._settle(equations, fit, prior, found | known, _ROUNDS if new else _FEWER)
             inertia = self._motion.inertia
@@ -147,6 +151,15 @@ class GearSearch:
         for j, one in known.items():
             found[j] = self._refine(judges[j], j, one.gear, _FEWER)
         return self._fill(equations, found)
+
+    def _take_share(self, gear: Gear, fit: ArmFit, joint: int) -> Gear:
+        """The stiffness that does without a factor what a fit has of a gear with one: it bends by load over stiffness.
+
+        What was taken in since then may ask for another one, and the factor follows it.
+        """
+        (name,) = TERMS[self._kind.term].names(0)
+        share = min(max(fit.friction(joint)[name], 1.0 / _MOST_SHARE), _MOST_SHARE)
+        return gear._replace(stiffness=gear.stiffness / share)
 
     def build(self, equations: ArmEquations, gears: FloatArray) -> ArmEquations:
         """The equations with gears that are known, none where all of one is zero. Shape (n_joints, 3)."""

@@ -35,6 +35,10 @@ MOST_OF_RATE = 0.2
 _FELL = 0.5
 """Part of its noise that is left of a joint, from which on what was found in it may ask for another cutoff."""
 
+_DEARER = 0.1
+"""Part by which standard deviations may be larger in a wider band, on average. There a ripple, a gap or a delay shows
+that a narrow one hides."""
+
 _MOST_SETTLING = 0.25
 """Part of the recording that filters may take to settle: of a few seconds, links and friction hold whatever is missing,
 so that what is left is no measure of a band."""
@@ -48,12 +52,14 @@ class BandLook(NamedTuple):
 
     Attributes:
         volume: Logarithm of the volume of the parameters' covariance.
+        known: How many parameters the recording tells, those that it tells in part counting as such.
         rows: At this cutoff.
         equations: As they were fitted.
         fit: Of these equations.
     """
 
     volume: float
+    known: float
     rows: ArmRows
     equations: ArmEquations
     fit: ArmFit
@@ -62,7 +68,9 @@ class BandLook(NamedTuple):
 def choose_rows(
     arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior
 ) -> tuple[ArmRows, ArmEquations]:
-    """Rows at the cutoff at which the parameters' covariance has the least volume, all that is left being noise.
+    """Rows at the highest cutoff at which the parameters' covariance has nearly the least volume.
+
+    All that is left counts as noise.
 
     Args:
         arm: The simulation.
@@ -84,8 +92,10 @@ def choose_rows(
         looks.append(_look(arm, rows, bare, model, prior))
     if not looks:
         raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
-    long_enough = [one for one in looks if is_long_enough(one.rows, recording)]
-    return begin_search(arm, min(long_enough or looks[-1:], key=lambda one: one.volume))
+    long_enough = [one for one in looks if is_long_enough(one.rows, recording)] or looks[-1:]
+    best = min(long_enough, key=lambda one: one.volume)
+    most = best.volume + 2.0 * _DEARER * best.known
+    return begin_search(arm, [one for one in long_enough if one.volume <= most][-1])
 
 
 def is_long_enough(rows: ArmRows, recording: ArmRecording) -> bool:
@@ -146,7 +156,8 @@ def _look(arm: SimulatedArm, rows: ArmRows, bare: ArmEquations, model: ArmModel,
     fit = fit_arm(arm, whole, model, prior, fit)
     size = np.sqrt(np.diag(fit.covariance))
     volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
-    return BandLook(volume, rows, equations, fit)
+    known = fit.x.size - float(np.sum(size**2 / fit.prior_deviation**2))
+    return BandLook(volume, known, rows, equations, fit)
 
 
 def begin_search(arm: SimulatedArm, look: BandLook) -> tuple[ArmRows, ArmEquations]:

@@ -6,6 +6,7 @@ gone in half of the band. A gap opens for moments, which a narrow band smears ov
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -29,6 +30,9 @@ that. Of what noise makes look like one at 20 Hz a tenth is left at 10 Hz; gears
 
 _EVIDENCE = 6.0
 """By how much a gap must be more probable in a wider band than where the gear was found, as all that is taken in."""
+
+_NEARLY = 0.5
+"""Part of the most that is seen in any band, from which one that is narrower, with less noise in it, does as well."""
 
 _ROUNDS = 2
 """Of finding gaps, and what else the joints have beside them."""
@@ -59,13 +63,13 @@ def choose_lower(
     return begin_search(fit.arm, look._replace(rows=prompt))
 
 
-class Gaps(NamedTuple):
-    """What is seen of gaps at a cutoff.
+class BandFit(NamedTuple):
+    """What is seen at another cutoff of things that a narrow band hides.
 
     Attributes:
-        gain: How much more probable they make the recording than gears that are rigid.
+        gain: How much more probable they make the recording.
         rows: At this cutoff.
-        equations: With the gaps.
+        equations: With them.
         fit: Of these equations.
     """
 
@@ -77,7 +81,7 @@ class Gaps(NamedTuple):
 
 def find_gaps(
     rows: ArmRows, equations: ArmEquations, fit: ArmFit, recording: ArmRecording, prior: ArmPrior
-) -> Gaps | None:
+) -> BandFit | None:
     """Gaps in place of gears that give way, and in place of narrower ones, in the wider band that asks most for them.
 
     Nothing else is sought there: noise of encoders, of which a wider band has more, would be taken for something.
@@ -91,13 +95,28 @@ def find_gaps(
     """
     if not fit.model.geared:
         return None
-    wider = [one for one in CUTOFFS if rows.cutoff <= one <= MOST_OF_RATE / recording.period]
-    seen = [_fit_gaps(build_rows(fit.arm, recording, one, rows.late), equations, fit, prior) for one in wider]
-    best = max(seen, key=lambda one: one.gain, default=None)
-    return best if best is not None and best.gain > seen[0].gain + _EVIDENCE else None
+    seen = [
+        _fit_gaps(build_rows(fit.arm, recording, one, rows.late), equations, fit, prior)
+        for one in CUTOFFS
+        if rows.cutoff <= one <= MOST_OF_RATE / recording.period
+    ]
+    return choose_gain(seen[1:], seen[0].gain) if seen else None
 
 
-def _fit_gaps(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> Gaps:
+def choose_gain(seen: Sequence[BandFit], known: float) -> BandFit | None:
+    """The narrowest band that shows things nearly as well as any; None where none does better than what is known.
+
+    Args:
+        seen: In wider bands, narrowest first.
+        known: How much more probable they make the recording in the band that was chosen.
+    """
+    best = max((one.gain for one in seen), default=0.0)
+    if best < known + _EVIDENCE:
+        return None
+    return next(one for one in seen if one.gain >= max(_NEARLY * best, known + _EVIDENCE))
+
+
+def _fit_gaps(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> BandFit:
     """Gaps at other rows, in joints whose gear is known not to be rigid."""
     forms = fit.model.forms
     rigid = tuple(JointForm(tuple(term for term in form.terms if TERMS[term[0]].filled not in GEARS)) for form in forms)
@@ -109,7 +128,7 @@ def _fit_gaps(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPri
         seen = search.propose(seen, gapped, prior, JointJudges(seen, gapped))
         own = [form.geared and gap[1] > 0.0 for form, gap in zip(forms, seen.gears["gap"], strict=True)]
         if not any(own):
-            return Gaps(0.0, rows, seen, without)
+            return BandFit(0.0, rows, seen, without)
         pairs = [
             (bare.with_term(GAP, 0), bare) if has else (form, form)
             for form, bare, has in zip(forms, rigid, own, strict=True)
@@ -117,7 +136,7 @@ def _fit_gaps(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPri
         with_gaps, without_gaps = (replace(fit.model, forms=tuple(each)) for each in zip(*pairs, strict=True))
         gapped, seen = fit_robustly(fit.arm, rows, seen, with_gaps, prior, gapped)
     gain = gapped.log_evidence - fit_arm(fit.arm, seen, without_gaps, prior, gapped).log_evidence
-    return Gaps(gain, rows, seen, gapped)
+    return BandFit(gain, rows, seen, gapped)
 
 
 def _is_other(fit: ArmFit, joint: int) -> bool:

@@ -1,0 +1,72 @@
+"""In which band a wave of torque over the position shows: fast joints pass it beyond a narrow one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..arm_recording import ArmRecording
+from ..coordinates import ArmModel
+from ..equations import ArmEquations, build_equations
+from ..fit import ArmFit
+from ..friction import GEARS
+from ..glance import Glance
+from ..prior import ArmPrior
+from ..robust_fit import fit_robustly
+from ..rows import ArmRows, build_rows
+from ..search.gear import GearSearch
+from ..search.gear_motion import GearMotion
+from ..search.ripple import propose_ripples
+from .bandwidth import CUTOFFS, MOST_OF_RATE
+from .gear_band import BandFit, choose_gain
+
+_RIPPLE = "cogging"
+
+_EVIDENCE = 6.0
+"""By how much a wave must make the recording more probable, as all that is taken in."""
+
+
+def find_ripples(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, recording: ArmRecording, prior: ArmPrior
+) -> BandFit | None:
+    """Waves beside what was found, in a wider band where one shows; None where none does.
+
+    Nothing else is sought there: noise of encoders, of which a wider band has more, would be taken for something.
+
+    Args:
+        rows: At the cutoff that was chosen.
+        equations: Of these rows.
+        fit: What was found.
+        recording: Of the joints.
+        prior: How far the simulation is trusted.
+    """
+    wider = [one for one in CUTOFFS if rows.cutoff < one <= MOST_OF_RATE / recording.period]
+    seen = [_fit_ripples(build_rows(fit.arm, recording, one, rows.late), equations, fit, prior) for one in wider]
+    return choose_gain(seen, 0.0)
+
+
+def _fit_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> BandFit:
+    """Waves at other rows, one joint after the other."""
+    bare = build_equations(fit.arm, rows, fit.compute_load(rows)).with_ripple(rows, equations.ripple)
+    for filled in GEARS if fit.model.geared else ():
+        bare = GearSearch(GearMotion(rows, fit), filled).build(bare, equations.gears[filled])
+    there, seen = fit_robustly(fit.arm, rows, bare, fit.model, prior)
+    total = 0.0
+    while True:
+        seen = propose_ripples(rows, seen, there)
+        glance = Glance(seen, there, prior)
+        gains = {model: glance.measure_gain(model) for model in _add_ripple(there.model)}
+        best = max(gains, key=lambda one: gains[one], default=None)
+        if best is None or gains[best] < _EVIDENCE:
+            return BandFit(total, rows, seen, there)
+        total += gains[best]
+        there, seen = fit_robustly(fit.arm, rows, seen, best, prior, there)
+
+
+def _add_ripple(model: ArmModel) -> list[ArmModel]:
+    """The model with a wave more, in each joint that has none."""
+    forms = model.forms
+    return [
+        replace(model, forms=(*forms[:j], form.with_term(_RIPPLE, 0), *forms[j + 1 :]))
+        for j, form in enumerate(forms)
+        if _RIPPLE not in form.names
+    ]
