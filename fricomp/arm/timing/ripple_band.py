@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from ..arm_recording import ArmRecording
 from ..coordinates import ArmModel
 from ..equations import ArmEquations, build_equations
@@ -23,6 +25,10 @@ _RIPPLE = "cogging"
 
 _EVIDENCE = 6.0
 """By how much a wave must make the recording more probable, as all that is taken in."""
+
+_LEAST_FALL = 0.1
+"""Part by which it must lower what is left of its joint, as what is named does: for less, no noisier band is taken. The
+steps of a coarse encoder come again over the position as well."""
 
 
 def find_ripples(
@@ -58,8 +64,10 @@ def _fit_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: Arm
         best = max(gains, key=lambda one: gains[one], default=None)
         if best is None or gains[best] < _EVIDENCE:
             return BandFit(total, rows, seen, there)
-        total += gains[best]
-        there, seen = fit_robustly(fit.arm, rows, seen, best, prior, there)
+        waving, weighed = fit_robustly(fit.arm, rows, seen, best, prior, there)
+        if np.min(weighed.weights.noise / seen.weights.noise) > 1.0 - _LEAST_FALL:
+            return BandFit(total, rows, seen, there)
+        total, there, seen = total + gains[best], waving, weighed
 
 
 def _add_ripple(model: ArmModel) -> list[ArmModel]:
