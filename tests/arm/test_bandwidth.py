@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fricomp.arm.coordinates import ArmModel
@@ -19,7 +20,7 @@ from fricomp.arm.search.gear import YIELDING_GEAR, GearSearch
 from fricomp.arm.search.gear_motion import GearMotion
 from fricomp.arm.search.judge import JointJudges
 from fricomp.arm.search.shared_delay import SharedDelay, measure_delay
-from fricomp.arm.timing import delay_correction
+from fricomp.arm.timing import delay_correction, ripple_band
 from fricomp.arm.timing.bandwidth import choose_again, choose_rows
 from fricomp.arm.timing.gear_band import choose_lower
 
@@ -84,3 +85,19 @@ def test_a_gear_that_encoders_make_is_another_one_in_half_of_the_band(
     lower = choose_lower(rows, equations, fit, recording, prior)
     assert (lower is not None) is is_other
     assert lower is None or lower[0].cutoff == 10.0
+
+
+def test_a_ripple_takes_no_band_that_tells_links_and_rotors_much_worse(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Steps of a coarse encoder come again over the position, and are most of what is left in a wide band."""
+    simulation, prior = write_arm(tmp_path, rotors=(3.0, 2.0, 1.0)), ArmPrior()
+    series, step = record_arm(simulation, duration=15.0, rate=100.0), 4e-3
+    coarse = [one.with_channels(position=np.round(np.asarray(one.position) / step) * step) for one in series]
+    arm, recording = match_recordings(coarse, simulation)
+    rows = build_rows(arm, recording, 2.5)
+    bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+    fit, equations = fit_robustly(arm, rows, bare, ArmModel.build_plain(3), prior)
+    look = ripple_band._fit_ripples
+    monkeypatch.setattr(ripple_band, "_fit_ripples", lambda *given: look(*given)._replace(gain=100.0))
+    assert ripple_band.find_ripples(rows, equations, fit, recording, prior) is None

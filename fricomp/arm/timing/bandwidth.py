@@ -35,7 +35,7 @@ MOST_OF_RATE = 0.2
 _FELL = 0.5
 """Part of its noise that is left of a joint, from which on what was found in it may ask for another cutoff."""
 
-_DEARER = 0.1
+MOST_DEARER = 0.1
 """Part by which standard deviations may be larger in a wider band, on average. There a ripple, a gap or a delay shows
 that a narrow one hides."""
 
@@ -94,7 +94,7 @@ def choose_rows(
         raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
     long_enough = [one for one in looks if is_long_enough(one.rows, recording)] or looks[-1:]
     best = min(long_enough, key=lambda one: one.volume)
-    most = best.volume + 2.0 * _DEARER * best.known
+    most = best.volume + 2.0 * MOST_DEARER * best.known
     return begin_search(arm, [one for one in long_enough if one.volume <= most][-1])
 
 

@@ -13,12 +13,13 @@ from ..fit import ArmFit
 from ..friction import GEARS
 from ..glance import Glance
 from ..prior import ArmPrior
+from ..rigid.inertia import N_INERTIA
 from ..robust_fit import fit_robustly
 from ..rows import ArmRows, build_rows
 from ..search.gear import GearSearch
 from ..search.gear_motion import GearMotion
 from ..search.ripple import propose_ripples
-from .bandwidth import CUTOFFS, MOST_OF_RATE
+from .bandwidth import CUTOFFS, MOST_DEARER, MOST_OF_RATE
 from .gear_band import BandFit, choose_gain
 
 _RIPPLE = "cogging"
@@ -47,7 +48,15 @@ def find_ripples(
     """
     wider = [one for one in CUTOFFS if rows.cutoff < one <= MOST_OF_RATE / recording.period]
     seen = [_fit_ripples(build_rows(fit.arm, recording, one, rows.late), equations, fit, prior) for one in wider]
-    return choose_gain(seen, 0.0)
+    return choose_gain([one for one in seen if _compare_links(one.fit, fit) <= MOST_DEARER], 0.0)
+
+
+def _compare_links(one: ArmFit, other: ArmFit) -> float:
+    """Logarithm of how much larger deviations of links and rotors are, in the mean of those that are told."""
+    rigid = slice(N_INERTIA * len(other.arm.links) + len(other.arm.joints))
+    wide, narrow = (np.diag(fit.covariance)[rigid] for fit in (one, other))
+    known = float(np.sum(1.0 - narrow / other.prior_deviation[rigid] ** 2))
+    return float(np.sum(0.5 * np.log(wide / narrow))) / max(known, 1.0)
 
 
 def _fit_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> BandFit:
