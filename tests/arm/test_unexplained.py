@@ -37,7 +37,7 @@ def test_noise_of_a_torque_does_not_last(tmp_path: Path, cutoff: float) -> None:
 
 def test_what_pulls_for_a_while_lasts(tmp_path: Path) -> None:
     def pull(joint: int, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
-        return 0.3 * np.sin(np.arange(q.size) * 2.0 * np.pi * 0.37 / 250.0) * (joint == 2)
+        return np.asarray(0.3 * np.sin(np.arange(q.size) * 2.0 * np.pi * 0.37 / 250.0) * (joint == 2))
 
     errors = _measure(tmp_path, pull, 10.0)
     assert errors.lasting[2] == pytest.approx(0.3 / np.sqrt(2.0), rel=0.2)
