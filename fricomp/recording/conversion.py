@@ -1,17 +1,20 @@
 """From a foreign file to recordings, as a mapping says."""
 
 from collections import Counter
+from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.errors import RecordingError
+from fricomp.errors import FricompError, RecordingError
 from fricomp.recording.checks.register import read_signed
 from fricomp.recording.finding import Finding
-from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
+from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping, Source
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
+from fricomp.recording.named.source import read_named_columns
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample_checked
 from fricomp.recording.runs import integrate, order_runs, sort_rows
@@ -94,8 +97,25 @@ def convert(path: str | Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
     plans = _plan(mapping, path)
     keys = dict.fromkeys(key for plan in plans for key in _wanted_keys(plan))
     source = plans[0].file.source or mapping.source
-    columns = read_columns(path, source, keys, skip_bad_rows=mapping.skip_bad_rows)
+    columns = _read_wanted(path, source, keys, skip_bad_rows=mapping.skip_bad_rows)
     return tuple(_build(plan, columns, mapping, path) for plan in plans)
+
+
+def _read_wanted(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool) -> Columns:
+    """The wanted columns: those of the source, or else as they are called where names alone are followed.
+
+    Entries of lists beside their names, and rows of several signals or joints, are columns there: `elbow.position`;
+    signals at several rates are placed there at common times.
+    """
+    columns = read_columns(path, source, keys, skip_bad_rows=skip_bad_rows)
+    found = {key: key if key in columns else str(key).partition(" [")[0] for key in keys}
+    if all(key in columns for key in found.values()) and len({columns[key].size for key in found.values()}) < 2:
+        return columns
+    with suppress(FricompError):  # whose message would be of what nobody has asked for
+        named = read_named_columns(path)
+        if all(key in named for key in keys):
+            return {**named}
+    return columns
 
 
 def _convert_folder(folder: Path, mapping: Mapping) -> tuple[NamedRecording, ...]:

@@ -12,6 +12,8 @@ _TOGETHER = 0.5
 """Part of the rarer channel's rows that have the position as well, from which on the rows are those of one table."""
 _SERIES = re.compile(r"\.(?:data|values|signals\.values)$", re.IGNORECASE)
 """What the numbers of one signal are called, beside its time."""
+_MOSTLY_SHARED = 0.9
+"""Part of the time of signals from which on only their common time is kept: a short one must not cost the others."""
 _FEWEST = 50
 """Rows of a channel that are a log of it."""
 
@@ -71,8 +73,16 @@ def place_series(columns: dict[str, Samples]) -> dict[str, Samples]:
         return columns
     longest = max(owners.values(), key=lambda stamp: columns[stamp].size)
     placed = {name: _read_between(columns[longest], columns[stamp], columns[name]) for name, stamp in owners.items()}
+    placed[longest] = columns[longest]
+    known = np.flatnonzero(np.isfinite(np.sum(list(placed.values()), axis=0)))
+    is_shared = known.size > _MOSTLY_SHARED * columns[longest].size
+    ends = slice(known[0], known[-1] + 1) if is_shared else slice(None)
     dropped = set(stamps.values()) - {longest}
-    return {name: placed.get(name, values) for name, values in columns.items() if name not in dropped}
+    return {
+        name: placed[name][ends] if name in placed else values
+        for name, values in columns.items()
+        if name not in dropped
+    }
 
 
 def _read_between(at: Samples, time: Samples, values: Samples) -> Samples:

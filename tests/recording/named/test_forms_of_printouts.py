@@ -11,9 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
-from fricomp.recording import Recording
+from fricomp.recording import Recording, convert, load_mapping
 from fricomp.recording.file import read_content
 from fricomp.recording.inspection.inspection import inspect_log
+from fricomp.recording.inspection.mapping_text import render_mapping
 from fricomp.sim_bench.studies.logs.good_log import joint_log
 
 from .proposed_mapping import convert_by_proposal
@@ -150,7 +151,21 @@ def test_it_is_read_as_it_was_measured(form: Callable[[], Form], tmp_path: Path)
     _require_same(read_content(_write(tmp_path, form())).recording)
 
 
-@pytest.mark.parametrize("form", [gnuplot, process_values, german_short_words])
+def two_joints_in_turns() -> Form:
+    rows = (f"{t:.6f},elbow,{q:.9f},{tau:.9f}\n{t:.6f},wrist,0.1,0.0\n" for t, q, tau in ROWS[:, [0, 1, 3]].tolist())
+    return "l.csv", "t,joint,q,tau\n" + "".join(rows)
+
+
+def test_the_mapping_of_joints_in_turns_reads_them_by_the_names_that_it_has(tmp_path: Path) -> None:
+    path, mapping = _write(tmp_path, two_joints_in_turns()), tmp_path / "log.toml"
+    seen = inspect_log(path)
+    assert seen.log is not None
+    mapping.write_text(render_mapping(path, seen.log), encoding="utf-8")
+    elbow, _ = convert(path, load_mapping(mapping))
+    _require_same(elbow.recording)
+
+
+@pytest.mark.parametrize("form", [gnuplot, process_values, german_short_words, trajectory_controller])
 def test_its_mapping_reads_the_same(form: Callable[[], Form], tmp_path: Path) -> None:
     _require_same(convert_by_proposal(_write(tmp_path, form()), tmp_path))
 
@@ -171,6 +186,7 @@ def test_signals_of_a_simulation_at_two_rates_meet_at_the_times_of_the_longer(tm
     recording = read_content(tmp_path / "a.mat").recording
     assert recording.position == pytest.approx(POSITION[: len(recording)], abs=1e-9)
     assert recording.torque == pytest.approx(np.sin(3.0 * recording.time), abs=1e-3)
+    assert convert_by_proposal(tmp_path / "a.mat", tmp_path).position == pytest.approx(recording.position, abs=1e-9)
     assert len(recording) >= TIME.size - 2
 
 
