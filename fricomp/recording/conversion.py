@@ -114,7 +114,7 @@ def _read_wanted(path: Path, source: Source, keys: Collection[Column], *, skip_b
     with suppress(FricompError):  # whose message would be of what nobody has asked for
         named = read_named_columns(path)
         if all(key in named for key in keys):
-            return {**named}
+            return dict(named.items())
     return columns
 
 
