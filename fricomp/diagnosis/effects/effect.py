@@ -240,9 +240,11 @@ class Effect(ABC):
 
 
 def compute_lowest_order(contexts: Sequence[Context]) -> float:
-    """Lowest order over position that counts as a ripple: that of the fewest waves over the recorded range."""
+    """Lowest order over position that counts as a ripple: that of the fewest waves over the recorded range, and of the
+    fewest that the motion passes: each angle that is passed once is as well a time."""
     span = max(float(np.ptp(context.position)) for context in contexts)
-    return EFFECT.least_waves * 2.0 * np.pi / max(span, 1e-9)
+    travel = sum(float(np.sum(np.abs(context.velocity))) * context.dt for context in contexts)
+    return 2.0 * np.pi * max(EFFECT.least_waves / max(span, 1e-9), EFFECT.least_passed / max(travel, 1e-9))
 
 
 def refuse_large_loss(shares: Sequence[FloatArray]) -> str | None:

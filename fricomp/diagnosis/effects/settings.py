@@ -47,6 +47,9 @@ class EffectSettings:
     with another drag was shrunk to a tenth, and little was left of any misfit."""
     least_waves: float = 1.5
     """Waves of a ripple that the recorded range must hold. Less of one looks like anything that varies slowly."""
+    least_passed: float = 3.0
+    """Waves of a ripple that the motion must pass: the range that holds the fewest, there and back. In one stroke angle,
+    time and speed are one, and a wave with overtones draws whatever depends on any of them."""
     smooth_rows: int = 7
     """Least number of samples of a smoothing window: a local cubic goes through four, and seven leave it something to
     average."""

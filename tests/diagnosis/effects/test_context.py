@@ -10,6 +10,7 @@ import pytest
 
 from fricomp.diagnosis.effects import Context
 from fricomp.diagnosis.effects.context import _correct_position, remove_noise
+from fricomp.diagnosis.effects.effect import compute_lowest_order
 from fricomp.diagnosis.inputs.spikes import take_out_spikes
 from fricomp.diagnosis.inputs.track import Track, measure_torque_noise
 from fricomp.diagnosis.joint.loading import build_tracks
@@ -57,6 +58,16 @@ def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() 
     baseline = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
     (after,) = rebuild_contexts(cast(Any, baseline), cast(Any, explanation))
     assert np.std((after.position - there)[200:-200]) < 0.1 * step
+
+
+@pytest.mark.parametrize(("strokes", "waves"), [(1, 3.0), (2, 1.5), (8, 1.5)])
+def test_a_ripple_of_a_single_stroke_needs_more_waves_than_the_range_must_hold(strokes: int, waves: float) -> None:
+    time = np.linspace(0.0, np.pi * strokes, 4000)
+    zero, curve, step = np.zeros_like(time), (2.0, 3.0, 0.05, 1.0), float(time[1])
+    plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
+    position, velocity = np.cos(time), -np.sin(time)
+    context = Context(step, position, velocity, zero, zero, zero, zero, zero, zero, plant, True, 2.0)
+    assert compute_lowest_order([context]) == pytest.approx(waves * np.pi, rel=1e-3)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])
