@@ -48,8 +48,8 @@ class EffectSettings:
     least_waves: float = 1.5
     """Waves of a ripple that the recorded range must hold. Less of one looks like anything that varies slowly."""
     least_passed: float = 3.0
-    """Waves of a ripple that the motion must pass: the range that holds the fewest, there and back. In one stroke angle,
-    time and speed are one, and a wave with overtones draws whatever depends on any of them."""
+    """Waves of a ripple that the motion must pass: the range that holds the fewest, there and back. In one stroke,
+    angle, time and speed are one, and a wave with overtones draws whatever depends on any of them."""
     smooth_rows: int = 7
     """Least number of samples of a smoothing window: a local cubic goes through four, and seven leave it something to
     average."""

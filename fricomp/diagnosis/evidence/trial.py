@@ -50,7 +50,8 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
     torque and friction, no other curve over speed.
 
     Where some of its effects lack what a name needs, the others are tried without them. What only completes the form
-    of the friction goes first: beside it, numbers of the others are less well determined.
+    of the friction goes first: beside it, numbers of the others are less well determined. It comes back where what is
+    left in the end does not cover the mismatch without it.
 
     Args:
         baseline: The base fitted to the recordings, with its nulls.
@@ -58,28 +59,31 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         seed: Of the bootstrap.
     """
     repetitions, best = repeat_choice(baseline, found), found.best
-    tried, objections, unfit = best, dict[str, str](), frozenset[str]()
-    while (
-        tried is not None and covers(tried, found, baseline) and tried.common_order is None and not tried.foreign_curve
-    ):
-        if forms := _find_forms(baseline, found, tried):
-            objections |= forms
-            tried = _find_rest(found, set(tried.names) - set(forms))
+    tried, objections, forms, unfit = best, dict[str, str](), dict[str, str](), frozenset[str]()
+    while (may_be := tried is not None and covers(tried, found, baseline)) or forms:
+        if tried is None or not may_be:
+            tried, forms = _find_rest(found, {*(() if tried is None else tried.names), *forms}), {}
+            continue
+        if tried.common_order is not None or tried.foreign_curve:
+            break
+        if more := _find_forms(baseline, found, tried):
+            forms |= more
+            tried = _find_rest(found, set(tried.names) - set(more))
             continue
         held = confirm(baseline, tried.structure, tried.fit, seed, given=tried.before)
         if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
-            return Trial(repetitions, failed=tried, objections=objections, unfit=unfit)
+            return Trial(repetitions, failed=tried, objections=objections | forms, unfit=unfit)
         alone = len(tried.names) == 1 and tried.certain > GATES.overwhelming * found.threshold
         own = list_objections(RefittedJoint.refit(baseline, tried), is_shown=alone)
         against = own | _list_objections(baseline, found, tried, held, repetitions)
         if not against:
-            return Trial(repetitions, tried, held=held, objections=objections)
-        if held.plain.explained < NEEDS.trace or is_trifling(held, tried):
-            return Trial(repetitions, failed=tried, objections=objections | against, immaterial=True)
+            return Trial(repetitions, tried, held=held, objections=objections | forms)
         objections |= against
+        if held.plain.explained < NEEDS.trace or is_trifling(held, tried):
+            return Trial(repetitions, failed=tried, objections=objections | forms, immaterial=True)
         unfit |= own.keys()
         tried = _find_rest(found, set(tried.names) - set(against))
-    return Trial(repetitions, failed=best if objections else None, objections=objections, unfit=unfit)
+    return Trial(repetitions, failed=best if objections or forms else None, objections=objections | forms, unfit=unfit)
 
 
 def leave_out_unfit(baseline: Baseline, found: SearchResult, trial: Trial) -> SearchResult | None:

@@ -96,6 +96,19 @@ def test_the_form_of_friction_is_a_name_where_the_rest_covers_too_little(monkeyp
     assert _try(monkeypatch, both, weak, shares=shares).chosen is both
 
 
+def test_the_form_of_friction_comes_back_where_what_stood_beside_it_goes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was left out beside a ripple that few repetitions bring again, without which the drag covers too little."""
+    baseline = known_baseline()
+    three = known_fit(baseline, ["cogging", "quadratic_drag", "stribeck_shape"], 540.0, coverage=0.99)
+    ripple = known_fit(baseline, ["cogging", "quadratic_drag"], 530.0, coverage=0.98)
+    form = known_fit(baseline, ["quadratic_drag", "stribeck_shape"], 520.0, coverage=0.98)
+    drag = known_fit(baseline, ["quadratic_drag"], 200.0, coverage=0.5, left=200.0)
+    shares = Repetitions(10, {("quadratic_drag", "stribeck_shape"): 9, three.names: 1})
+    found = _try(monkeypatch, three, ripple, form, drag, shares=shares)
+    assert found.chosen is form
+    assert set(found.objections) == {"cogging"}
+
+
 def test_what_is_left_may_be_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     _, one = _two()
     shares = Repetitions(10, {("cogging",): 10})
