@@ -27,11 +27,13 @@ class PlainErrors:
         before: Of the base.
         after: With the effects.
         floor: Of nulls.
+        acting: Of what the effects change in the rows in which they act: each row counts by the square of that.
     """
 
     before: float
     after: float
     floor: float
+    acting: float = 0.0
 
     @property
     def reduction(self) -> float:
@@ -124,7 +126,9 @@ def _measure_plain(baseline: Baseline, structure: Structure, before: FloatArray,
     nulls = [np.mean(null[rows] ** 2) for null in map(np.concatenate, map(own.unweigh, baseline.null_residuals))]
     sides = [np.concatenate(weights.unweigh(side))[rows] for side in (before, after)]
     rms = [compute_rms(side) for side in sides]
-    return PlainErrors(rms[0], rms[1], float(np.sqrt(np.mean(nulls))))
+    changed = (sides[0] - sides[1]) ** 2  # the same noise is in both, and none in this
+    acting = float(np.sqrt(np.sum(changed**2) / max(float(np.sum(changed)), 1e-300)))
+    return PlainErrors(rms[0], rms[1], float(np.sqrt(np.mean(nulls))), acting)
 
 
 def _measure_typical_noise(baseline: Baseline) -> float:

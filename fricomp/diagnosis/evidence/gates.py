@@ -55,9 +55,11 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
 
 
 def is_trifling(held: Confirmation, chosen: Explanation) -> bool:
-    """Whether the plain held-out error falls by less than the finest noise of a row has: a simulator's own arithmetic,
-    or what happens between two samples, is as much."""
-    return held.plain.size < JOINT.finest * unpack(chosen.fit.theta[: len(BASE_NAMES)]).level
+    """Whether the plain held-out error falls by less than the finest noise of a row has, and nothing that a user would
+    care about changes where the effects act, as a late torque does at reversals alone: a simulator's own arithmetic, or
+    what happens between two samples, is as much."""
+    level, plain = unpack(chosen.fit.theta[: len(BASE_NAMES)]).level, held.plain
+    return plain.size < JOINT.finest * level and plain.acting < GATES.material * level
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:

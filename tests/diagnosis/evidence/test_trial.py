@@ -70,13 +70,17 @@ def test_what_no_plain_error_shows_is_nothing_that_is_missing(monkeypatch: pytes
     assert found.immaterial
 
 
-@pytest.mark.parametrize(("part", "named"), [(0.003, False), (0.03, True)])
-def test_what_nobody_would_miss_has_no_name(monkeypatch: pytest.MonkeyPatch, part: float, named: bool) -> None:
-    """A log without noise: all of a difference is seen, and it is a few thousandths of the friction."""
+@pytest.mark.parametrize(("part", "acting", "named"), [(0.003, 0.008, False), (0.003, 0.02, True), (0.03, 0.03, True)])
+def test_what_nobody_would_miss_has_no_name(
+    monkeypatch: pytest.MonkeyPatch, part: float, acting: float, named: bool
+) -> None:
+    """A log without noise: all of a difference is seen, and it is a few thousandths of the friction, also where the
+    effect acts, which at reversals alone may be more."""
     both, one = _two()
-    size = part * unpack(one.fit.theta[: len(BASE_NAMES)]).level
-    shares = Repetitions(10, {("cogging",): 10})
-    found = _try(monkeypatch, one, both, shares=shares, plain=PlainErrors(size, 0.01 * size, 0.001 * size))
+    level = unpack(one.fit.theta[: len(BASE_NAMES)]).level
+    size, shares = part * level, Repetitions(10, {("cogging",): 10})
+    plain = PlainErrors(size, 0.01 * size, 0.001 * size, acting * level)
+    found = _try(monkeypatch, one, both, shares=shares, plain=plain)
     assert (found.chosen is one) == named
     assert found.immaterial != named
 
