@@ -15,7 +15,7 @@ from .beside_shapes import fit_beside_shapes
 from .explanation import Explanation
 from .hypotheses import narrow_starts
 from .preparation import Baseline
-from .refit import compute_preference, fit_from, polish, refit
+from .refit import compute_preference, fit_from, polish, rebuild, refit
 from .screening import Column, Screen, orthonormalise, screen
 from .settings import SEARCH
 from .simulated_body import N_BODY, hold, move_to
@@ -32,13 +32,12 @@ def fit_singles(baseline: Baseline, first: Screen, ready: Sequence[Explanation])
     groups = [*strong, *(group for group in suspected if group not in strong)]
     tried = _refit_groups(baseline, [group for group in groups if group not in replacing], lead)
     tried += fit_with_care(baseline, replacing, baseline)
-    if baseline.noise_ratio > SEARCH.bent and all(
-        explanation.coverage < SEARCH.most_covered for explanation in (*tried, *ready)
-    ):
+    if baseline.noise_ratio > SEARCH.bent and not _reaches(SEARCH.most_covered, (*tried, *ready)):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups], lead)
         tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=lead))
     if baseline.noise_ratio > SEARCH.bent_far:
         tried += fit_beside_shapes(baseline)
+        tried += _fit_to_the_end(baseline, tried)
     return sorted(tried, key=compute_preference, reverse=True)
 
 
@@ -48,7 +47,7 @@ def fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> list
     The free base bends inertia and gravity into the shape of what is missing, and a fit that starts there may stay:
     a stop at one end has come as another gravity and a ripple.
     """
-    if baseline.rigid is None or any(explanation.coverage >= SEARCH.enough for explanation in free):
+    if baseline.rigid is None or _reaches(SEARCH.enough, free):
         return []
     box = hold(baseline.box, baseline.rigid)
     start = move_to(box.centre[:N_BODY], baseline.fit.theta, baseline.structure.contexts)
@@ -104,6 +103,20 @@ def _select_replacing(at: Baseline | Explanation, screened: Screen) -> list[list
     return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
 
 
+def _fit_to_the_end(baseline: Baseline, tried: Sequence[Explanation]) -> list[Explanation]:
+    """Fit the best effects that are physical to their end where the best of them leaves much, however far it has come:
+    from a base that is bent far, the quick steps of the right one may hardly have begun."""
+    best: dict[tuple[str, ...], Explanation] = {}
+    for one in sorted(tried, key=compute_preference, reverse=True):
+        if not one.refused:
+            best.setdefault(one.names, one)
+    first = list(best.values())[: SEARCH.more_careful]
+    if first and first[0].left < SEARCH.much_left:
+        return []
+    wanted = [(rebuild(baseline, one), one.fit.theta[:N_BASE]) for one in first]
+    return fit_from(baseline, wanted, [one.box for one in first])
+
+
 def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
     """Fit effects with many minima from starts far from each other, as long as they may come near the cost `lead`."""
     contexts, theta = baseline.structure.contexts, baseline.fit.theta
@@ -123,9 +136,14 @@ def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]], lead: 
     quick += _refit_starts(baseline, astray, SEARCH.hypotheses, lead)
     ranked = sorted((best for _, best in quick), key=compute_preference, reverse=True)
     careful = polish(baseline, ranked[: SEARCH.careful], lead=lead)
-    if all(explanation.coverage < SEARCH.enough for explanation in careful):
+    if not _reaches(SEARCH.enough, careful):
         careful += polish(baseline, ranked[SEARCH.careful : SEARCH.more_careful], lead=lead)
     return careful + ranked[len(careful) :]
+
+
+def _reaches(coverage: float, explanations: Sequence[Explanation]) -> bool:
+    """Whether one of the explanations covers that much, with numbers that it can have: others explain nothing."""
+    return any(not one.refused and one.coverage >= coverage for one in explanations)
 
 
 def _refit_starts(
