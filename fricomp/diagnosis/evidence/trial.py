@@ -117,8 +117,10 @@ def _list_objections(
 
 
 def _find_forms(baseline: Baseline, found: SearchResult, tried: Explanation) -> dict[str, str]:
-    """Effects that are the form of the joint's own friction, beside others that cover the mismatch without them."""
-    forms = {name for name in tried.names if EFFECTS[name].form_of_friction}
+    """Effects that are the form of the joint's own friction, or cannot be told from that, beside others that cover the
+    mismatch without them."""
+    alike = {name: (name, *list_aliases(found, name)) for name in tried.names}
+    forms = {name for name, ones in alike.items() if any(EFFECTS[one].form_of_friction for one in ones)}
     rest = _find_rest(found, set(tried.names) - forms) if forms else None
     if rest is None or not covers(rest, found, baseline):
         return {}

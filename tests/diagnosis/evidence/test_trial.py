@@ -100,6 +100,16 @@ def test_the_form_of_friction_is_a_name_where_the_rest_covers_too_little(monkeyp
     assert _try(monkeypatch, both, weak, shares=shares).chosen is both
 
 
+def test_what_cannot_be_told_from_the_form_of_friction_is_a_remark_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    baseline = known_baseline()
+    ripple = known_fit(baseline, ["cogging", "quadratic_drag"], 530.0, coverage=0.99)
+    form = known_fit(baseline, ["quadratic_drag", "stribeck_shape"], 525.0, coverage=0.99)
+    drag = known_fit(baseline, ["quadratic_drag"], 500.0, coverage=0.98)
+    found = _try(monkeypatch, ripple, form, drag, shares=Repetitions(10, {ripple.names: 10}))
+    assert found.chosen is drag
+    assert "form of the friction" in found.objections["cogging"]
+
+
 def test_the_form_of_friction_comes_back_where_what_stood_beside_it_goes(monkeypatch: pytest.MonkeyPatch) -> None:
     """It was left out beside a ripple that few repetitions bring again, without which the drag covers too little."""
     baseline = known_baseline()
