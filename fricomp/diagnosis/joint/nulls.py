@@ -153,9 +153,10 @@ def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> tupl
 
 
 def _blur(rows: Sequence[FloatArray], size: float, seed: int) -> list[FloatArray]:
-    """Rows with noise of `size` beside their own, so that nothing finer counts [N·m]."""
+    """Rows each of which has noise of `size` at least, so that nothing finer counts [N·m]."""
     rng = np.random.default_rng([seed, len(rows)])
-    return [one + size * rng.standard_normal(one.shape) for one in rows]
+    more = [np.sqrt(np.maximum(size**2 - np.var(one, axis=0), 0.0)) for one in rows]
+    return [one + own * rng.standard_normal(one.shape) for one, own in zip(rows, more, strict=True)]
 
 
 def _find_sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
