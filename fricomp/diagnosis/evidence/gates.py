@@ -55,12 +55,11 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
 
 
 def is_trifling(held: Confirmation, chosen: Explanation) -> bool:
-    """Whether the log has next to no noise, and the plain held-out error falls by no more than a simulator's own
-    arithmetic or what happens between two samples makes, nor by more where the effects act, as a late torque does at
-    reversals alone."""
+    """Whether the plain held-out error falls by less than the finest noise of a row has, and nothing that a user would
+    care about changes where the effects act, as a late torque does at reversals alone: a simulator's own arithmetic, or
+    what happens between two samples, is as much."""
     level, plain = unpack(chosen.fit.theta[: len(BASE_NAMES)]).level, held.plain
-    quiet = plain.floor < GATES.quiet * JOINT.finest * level
-    return quiet and plain.size < GATES.trifle * level and plain.acting < GATES.material * level
+    return plain.size < JOINT.finest * level and plain.acting < GATES.material * level
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:

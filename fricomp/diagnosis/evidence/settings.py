@@ -71,8 +71,6 @@ class GateSettings:
         material: What is left beyond the noise, in the Coulomb torque, below which nothing unknown is reported: it is
             told as a remark. Joints with nothing missing under loops that chatter at an encoder's steps leave 0.003 to
             0.005 of it, whatever their noise; what a user would look for is more.
-        trifle: Part of the Coulomb torque that arithmetic and sampling of a simulator's log make.
-        quiet: Noise of rows, over the finest that is assumed, below which a log has next to none of its own.
         tone: Strength of a line in the spectrum, over the strongest line of a null, from which it is a vibration.
         alone: Part of the energy beyond the noise that such a line must hold: what follows the motion has many lines.
         explained: Part of the held-out energy above the noise that must go where few blocks show an effect, or where
@@ -99,8 +97,6 @@ class GateSettings:
     loudest: float = 1.25
     swinging: float = 1.04
     material: float = 0.01
-    trifle: float = 0.005
-    quiet: float = 1.5
     tone: float = 2.5
     alone: float = 0.2
     explained: float = 0.7

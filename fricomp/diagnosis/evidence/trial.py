@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ..effects import EFFECTS
+from ..joint.settings import JOINT
 from ..search.choice import choose, rank_acceptable
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
@@ -103,7 +104,7 @@ def _list_objections(
 ) -> dict[str, str]:
     """Say for each name what speaks against it besides its own numbers; nothing for those that lack nothing."""
     if is_trifling(held, tried):
-        return dict.fromkeys(tried.names, f"it takes away less than {GATES.trifle:.1%} of the Coulomb torque")
+        return dict.fromkeys(tried.names, f"it takes away less than {JOINT.finest:.1%} of the Coulomb torque")
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
         return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")
