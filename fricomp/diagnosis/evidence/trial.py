@@ -60,8 +60,10 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
     """
     repetitions, best = repeat_choice(baseline, found), found.best
     tried, objections, forms, unfit = best, dict[str, str](), dict[str, str](), frozenset[str]()
-    while (may_be := tried is not None and covers(tried, found, baseline)) or forms:
-        if tried is None or not may_be:
+    while True:
+        if tried is None or not covers(tried, found, baseline):
+            if not forms:
+                break
             tried, forms = _find_rest(found, {*(() if tried is None else tried.names), *forms}), {}
             continue
         if tried.common_order is not None or tried.foreign_curve:

@@ -90,7 +90,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
         while wholes := _select_wholes(tried, choose(baseline, tried, threshold), threshold, parted):
             parted += wholes
             for whole in wholes:  # what is chosen then may be a part, with parts of its own
-                tried += _fit_parts(baseline, whole, len(whole.names) - 1)
+                tried += _fit_parts(baseline, whole, range(max(1, len(whole.names) - 1), len(whole.names)))
         best = choose(baseline, tried, threshold)
         if best is not None:
             tried += fit_siblings(baseline, best)
@@ -105,7 +105,7 @@ def search(baseline: Baseline, known: Explanation | None = None) -> SearchResult
 def _fit_known(baseline: Baseline, known: Explanation) -> list[Explanation]:
     """Fit what is known from where it was, and its parts: another base may have asked for the rest."""
     (whole,) = fit_from(baseline, [(rebuild(baseline, known), known.fit.theta[:N_BASE])], baseline.box)
-    return [whole, *(part for size in range(1, len(whole.names)) for part in _fit_parts(baseline, whole, size))]
+    return [whole, *_fit_parts(baseline, whole, range(1, len(whole.names)))]
 
 
 def _select_own(accepted: Sequence[Explanation]) -> list[Explanation]:
@@ -171,13 +171,13 @@ def _fit_twins(baseline: Baseline, best: Explanation) -> list[Explanation]:
     return fit_from(baseline, [(Structure(contexts, candidates), theta)], baseline.box)
 
 
-def _fit_parts(baseline: Baseline, best: Explanation, size: int) -> list[Explanation]:
-    """Fit the parts of an explanation that have `size` effects, from where it ended, under the load of its joint.
-    Alone, a part may not have got that far."""
-    if size == 0 or best.coverage < SEARCH.nameable:
+def _fit_parts(baseline: Baseline, best: Explanation, sizes: Sequence[int]) -> list[Explanation]:
+    """Fit the parts of an explanation that have these numbers of effects, from where it ended, under the load of its
+    joint. Alone, a part may not have got that far."""
+    if not sizes or best.coverage < SEARCH.nameable:
         return []
     whole, theta = rebuild(baseline, best), best.fit.theta[:N_BASE]
-    kept = list(combinations(whole.candidates, size))
+    kept = [part for size in sizes for part in combinations(whole.candidates, size)]
     return fit_from(baseline, [(replace(whole, candidates=candidates), theta) for candidates in kept], baseline.box)
 
 
