@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfilt, sosfilt_zi, sosfreqz
 
 from fricomp.laws import FloatArray
 
@@ -23,7 +23,7 @@ from .rigid.inertia import N_INERTIA
 from .rigid.regressor import N_GRAVITY, compute_regressors
 from .rigid.simulated_arm import SimulatedArm
 
-__all__ = ["ArmRows", "build_rows"]
+__all__ = ["ArmRows", "build_rows", "low_pass"]
 
 _ORDER = 4
 _SMOOTHING = 2.5
@@ -55,6 +55,9 @@ _ROUNDING, _CHANCE = 1e-9, 5
 
 _FEWEST = 4
 """Samples of a spline."""
+
+_FREQUENCIES = 2001
+"""Over which the noise that filters let pass is summed up."""
 
 Motion = tuple[FloatArray, FloatArray, FloatArray]
 """Position [rad] or [m], velocity and acceleration of all joints. Shapes (n, n_joints)."""
@@ -126,6 +129,10 @@ class ArmRows:
         """
         return np.asarray(self.lean @ inertia.reshape(-1, N_INERTIA)[:, :N_GRAVITY].ravel())
 
+    def measure_noise_gain(self) -> float:
+        """Mean square acceleration at the rows by white noise of positions, over the density of that [Hz/s⁴]."""
+        return self._ways[0].measure_noise_gain()
+
     def with_delay(self, delay: float) -> ArmRows:
         """The same motion with torques that are taken to be late by `delay` [s]."""
         torque, rate = _compare_torques(self._ways, self.parts, delay)
@@ -164,16 +171,29 @@ class _Way:
 
     def smooth(self, columns: FloatArray) -> FloatArray:
         """Samples without what is faster than a position can be trusted."""
-        return _filter(columns, self.smoothing, self.rate)
+        return low_pass(columns, self.smoothing, self.rate)
 
     def compare(self, dense: FloatArray) -> FloatArray:
         """Rows of what is at the rate of the columns."""
-        rate = self.rate / self.step
-        return (_filter(dense, self.cutoff, rate) if self.cutoff < _NYQUIST_SHARE * rate else dense)[self.kept]
+        return (low_pass(dense, self.cutoff, self.rate / self.step) if self._is_filtered else dense)[self.kept]
+
+    @property
+    def _is_filtered(self) -> bool:
+        """Whether a low-pass is left between the cutoff and the rate of the columns."""
+        return self.cutoff < _NYQUIST_SHARE * self.rate / self.step
 
     def take(self, columns: FloatArray) -> FloatArray:
         """Rows of what is sampled as the torque is."""
         return self.compare(self.smooth(columns)[:: self.step])
+
+    def measure_noise_gain(self) -> float:
+        """As `ArmRows.measure_noise_gain`: ∫ (2πf)⁴ |H|² df, with all filters in H."""
+        frequency = np.linspace(0.0, 0.5 * self.rate, _FREQUENCIES)
+        filters = [(self.smoothing, self.rate), (self.cutoff, self.rate / self.step)]
+        passed = (2.0 * np.pi * frequency) ** 2
+        for cutoff, rate in filters if self._is_filtered else filters[:1]:
+            passed *= np.abs(sosfreqz(_design_filter(cutoff, rate)[0], frequency, fs=rate)[1]) ** 2
+        return float(np.trapezoid(passed**2, frequency))
 
 
 def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay: float = 0.0) -> ArmRows:
@@ -252,9 +272,12 @@ def _advance(part: ArmPart, delay: float | FloatArray) -> FloatArray:
     return np.stack([np.interp(part.time + by, part.time, one) for by, one in zip(each, part.torque.T, strict=True)], 1)
 
 
-def _filter(columns: FloatArray, cutoff: float, rate: float) -> FloatArray:
-    """Columns through a low-pass forwards and back, both ends turned over a point beyond them: as scipy's
-    `sosfiltfilt`, which looks for the state at rest anew each time."""
+def low_pass(columns: FloatArray, cutoff: float, rate: float) -> FloatArray:
+    """Columns through a low-pass of a cutoff [Hz] at a rate [Hz], forwards and back.
+
+    Both ends are turned over a point beyond them, as by scipy's `sosfiltfilt`, which looks for the state at rest anew
+    each time.
+    """
     sections, rest = _design_filter(cutoff, rate)
     edge = _EDGE * (2 * len(sections) + 1)
     samples = columns.reshape(len(columns), -1).T

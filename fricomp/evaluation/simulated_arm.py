@@ -96,12 +96,20 @@ class SimulatedArm:
     def _invert(self, motion: ArmMotion, part: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Torque of the file's arm, torque that its gears transmit, and activations, at each sample."""
         model, substeps = self.model, set_step(self.model, motion.dt, self.step)
+        self._lift_limits(motion, part)
         position, velocity, acceleration = (
             self._spread(motion.stack(part, name)) for name in ("position", "smooth_velocity", "acceleration")
         )
         torque, states = invert_motion(model, position, velocity, acceleration, substeps)
         load = torque - np.asarray(model.dof_armature) * acceleration
         return torque[:, self.order], load[:, self.order], states
+
+    def _lift_limits(self, motion: ArmMotion, part: int) -> None:
+        """No stop at the end of a range that a joint was recorded beyond: there, the torque of none was recorded."""
+        joints = np.asarray(self.model.dof_jntid)[list(self.order)]
+        low, high = np.asarray(self.model.jnt_range)[joints].T
+        position = motion.stack(part, "position")
+        self.model.jnt_limited[joints[np.any((position < low) | (position > high), axis=0)]] = 0
 
     def _spread(self, values: FloatArray) -> FloatArray:
         """Columns of the recorded joints in MuJoCo's order."""

@@ -158,5 +158,5 @@ def test_a_gear_that_cannot_be_simulated_explains_nothing(healthy: ArmExaminatio
     motion = GearMotion(found.rows, found.fit)
     inertia = 0.5
     stiff, damped = Gear(1e-3, inertia * 240.0**2, 20.0 * inertia * 240.0), Gear(1e-3, inertia * 240.0**2, 20.0)
-    assert np.all(motion.spread(0, stiff) == 0.0)
-    assert np.any(motion.spread(0, damped) != 0.0)
+    assert np.all(motion.spread(0, stiff, "gap") == 0.0)
+    assert np.any(motion.spread(0, damped, "gap") != 0.0)

@@ -198,7 +198,7 @@ def test_a_glance_weighs_a_model_without_what_the_fit_has(curved: ArmExamination
     loss = fit_arm(found.fit.arm, found.equations, found.fit.model, found.prior, found.fit).log_evidence
     assert loss - fitted.log_evidence > 50.0
     assert glance.measure_gain(less) == pytest.approx(fitted.log_evidence - loss, rel=0.05)
-    np.testing.assert_allclose(glance.solve(less).x, fitted.x, atol=1e-2 * np.abs(fitted.x).max())
+    np.testing.assert_allclose(glance.solve(less).x, fitted.x, atol=2e-2 * np.abs(fitted.x).max())
 
 
 def test_a_glance_solves_what_it_weighs(curved: ArmExamination) -> None:

@@ -76,6 +76,16 @@ def test_friction_models_beside_the_arm_give_what_its_own_friction_gives(tmp_pat
         assert all(each.median < 0.02 * each.travel for each in one.position)
 
 
+def test_a_range_that_a_joint_was_recorded_beyond_is_no_stop(tmp_path: Path) -> None:
+    """Ranges of files are narrower than some robots are: a stop asked for 35 kN·m, of the simulation and the files."""
+    path = _write(tmp_path)
+    recordings = _record(path)
+    path.write_text(path.read_text().replace('name="a"', 'name="a" range="-0.2 0.3" limited="true"'))
+    for one in evaluate_arm(path, recordings).joints:
+        assert one.torque.rms < 0.02 * one.torque.recorded
+        assert all(each.median < 0.01 * each.travel for each in one.position)
+
+
 def test_each_joint_has_its_own_error(tmp_path: Path) -> None:
     recordings = _record(_write(tmp_path))
     wrong = evaluate_arm(_write(tmp_path, levels=(0.601, 0.6)), recordings)

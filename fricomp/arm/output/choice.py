@@ -2,8 +2,9 @@
 
 Torques say little of what a link weighs where it hardly accelerates, and an open-loop simulation hangs on just that:
 an arm of small inertia runs away from errors that are small as torques. So the links as they were found, and links that
-stay nearer the simulation wherever the motion says little, are both simulated on the blocks that they were fitted to;
-those that go less wrong are written, and measured on the others.
+stay nearer the simulation wherever the motion says little, are both simulated on the blocks that they were fitted to.
+No file holds a gear that gives way: where one was found, links that make up for it as far as rigid ones can are tried
+as well. Those that go least wrong are written, and measured on the other blocks.
 """
 
 from __future__ import annotations
@@ -23,18 +24,21 @@ from fricomp.evaluation.settings import HORIZONS
 
 from ..answer import ArmAnswer
 from ..confirmation import without_terms
+from ..coordinates import ArmModel
 from ..fit import ArmFit, fit_arm
+from ..identification import ArmIdentification
 from ..matter import LEAST_MATTER
 from ..prior import ArmPrior
 from ..record import ArmRecord, FileErrors, JointRecord
 from ..row_weights import BoolArray
+from ..search.gear import YIELDING_GEAR
 from .evaluation import FileTrial, compare_files, hold_out
 
 _NEARER = 0.3
-"""Part of the prior's deviation that the links of the second choice may depart from the simulation by."""
+"""Part of the prior's deviation that links that stay nearer the simulation may depart from it by."""
 
 _CLEARLY = 0.98
-"""Error of the second choice, in that of the links as they were found, below which it is written."""
+"""Error of another choice, in that of the links as they were found, below which it is written."""
 
 _LONGEST = 0.5
 """[s] of the open-loop simulations that decide, and of those whose errors are told in words."""
@@ -42,8 +46,18 @@ _LONGEST = 0.5
 _WORSE = 1.1
 """Torque error of the files over that of the fit from which both are told."""
 
-_STEPS = 20
-"""Gauss-Newton steps of the second choice, which lies further from the fit that it starts at."""
+_FEW_STEPS, _STEPS = 5, 20
+"""Gauss-Newton steps of the answer, fitted to a part of the recording, and of another choice, which lies further from
+the fit that it starts at."""
+
+_NEAR_NOTE = (
+    "In arm.xml and the friction models the links stay nearer the simulation than in this answer: in open-loop "
+    "simulation that goes less wrong."
+)
+_RIGID_NOTE = (
+    "arm.xml and the friction models hold no gear that gives way: their links make up for it as far as rigid ones can, "
+    "and are not those of this answer."
+)
 
 
 @dataclass(frozen=True)
@@ -67,6 +81,31 @@ class WrittenFiles:
     whole: ArmEvaluation | None = None
 
 
+@dataclass(frozen=True)
+class _Choice:
+    """Links and friction that may be written.
+
+    Attributes:
+        model: What is fitted.
+        prior: How far the simulation is trusted for it.
+        notes: How that differs from the answer, in sentences.
+        steps: Gauss-Newton steps from the answer.
+    """
+
+    model: ArmModel
+    prior: ArmPrior
+    notes: tuple[str, ...]
+    steps: int
+
+    def fit(self, found: ArmIdentification, rows: BoolArray) -> ArmFit:
+        """Fit it to some of the rows."""
+        if not self.notes and np.all(rows):
+            return found.fit
+        return fit_arm(
+            found.fit.arm, found.equations.with_rows(rows), self.model, self.prior, found.fit, steps=self.steps
+        )
+
+
 @one_blas_thread()
 def prepare_files(answer: ArmAnswer, simulation: str | Path) -> WrittenFiles:
     """Choose what is written, and measure it on held-out blocks.
@@ -75,22 +114,30 @@ def prepare_files(answer: ArmAnswer, simulation: str | Path) -> WrittenFiles:
         answer: The confirmed fit.
         simulation: The file that was compared.
     """
-    held, spans, others = hold_out(answer.identification.rows.time)
-    found = _fit_found(answer, ~held)
-    nearer = _choose_nearer(FileTrial(answer, Path(simulation), ~held, others, _LONGEST), found)
-    made, prior = WrittenFiles(answer, {}), answer.identification.prior
-    if nearer is not None:
-        prior = _bring_nearer(prior)
-        fit = _fit_nearer(answer, np.ones_like(held))
-        note = (
-            "In arm.xml and the friction models the links stay nearer the simulation than in this answer: in open-loop "
-            "simulation that goes less wrong."
-        )
-        made = WrittenFiles(replace(answer, identification=replace(answer.identification, fit=fit)), {}, (note,))
+    found = answer.identification
+    held, spans, others = hold_out(found.rows.time)
+    best = _choose(FileTrial(answer, Path(simulation), ~held, others, _LONGEST), _list_choices(found))
+    written = replace(answer, identification=replace(found, fit=best.fit(found, np.ones_like(held))))
+    made = WrittenFiles(written, {}, best.notes)
     trial = FileTrial(answer, Path(simulation), ~held, spans, HORIZONS[-1])
     with suppress(FricompError, ValueError):  # no stretch of the recording that an open-loop simulation fits into
-        return _measure(made, trial, found if nearer is None else nearer, prior)
+        return _measure(made, trial, best.fit(found, ~held), best.prior)
     return made
+
+
+def _list_choices(found: ArmIdentification) -> list[_Choice]:
+    """What may be written, the answer itself first."""
+    model, nearer = found.fit.model, replace(found.prior, links=_NEARER * found.prior.links)
+    choices = [
+        _Choice(model, found.prior, (), _FEW_STEPS),
+        _Choice(replace(model, opened=frozenset()), nearer, (_NEAR_NOTE,), _STEPS),
+    ]
+    if YIELDING_GEAR in {name for form in model.forms for name in form.names}:
+        forms = tuple(form.without_term(YIELDING_GEAR) for form in model.forms)
+        choices += [
+            _Choice(replace(one.model, forms=forms), one.prior, (*one.notes, _RIGID_NOTE), _STEPS) for one in choices
+        ]
+    return choices
 
 
 def _measure(made: WrittenFiles, trial: FileTrial, fit: ArmFit, prior: ArmPrior) -> WrittenFiles:
@@ -133,37 +180,16 @@ def add_file_errors(record: ArmRecord, written: WrittenFiles) -> ArmRecord:
     )
 
 
-def _choose_nearer(trial: FileTrial, found: ArmFit) -> ArmFit | None:
-    """The fit with links nearer the simulation; None where that goes no less wrong than the one that was found."""
+def _choose(trial: FileTrial, choices: Sequence[_Choice]) -> _Choice:
+    """The choice that goes least wrong; the first where none goes clearly less wrong, or nobody can tell."""
+    found = trial.answer.identification
     try:
         before = trial.evaluate_plain()
-        least = _score(before, trial.evaluate_fit(found))
-        nearer = _fit_nearer(trial.answer, trial.trained)
-        near = _score(before, trial.evaluate_fit(nearer))
+        scores = [_score(before, trial.evaluate_fit(one.fit(found, trial.trained))) for one in choices]
     except (FricompError, ValueError):
-        return None
-    return nearer if near < _CLEARLY * least else None
-
-
-def _fit_found(answer: ArmAnswer, rows: BoolArray) -> ArmFit:
-    """The model that was confirmed, fitted to some of the rows."""
-    found = answer.identification
-    fit = found.fit
-    if np.all(rows):
-        return fit
-    return fit_arm(fit.arm, found.equations.with_rows(rows), fit.model, found.prior, fit, steps=5)
-
-
-def _fit_nearer(answer: ArmAnswer, rows: BoolArray) -> ArmFit:
-    """The same with links that depart less from the simulation, none of them far."""
-    found = answer.identification
-    fit, prior = found.fit, _bring_nearer(found.prior)
-    model = replace(fit.model, opened=frozenset())
-    return fit_arm(fit.arm, found.equations.with_rows(rows), model, prior, fit, steps=_STEPS)
-
-
-def _bring_nearer(prior: ArmPrior) -> ArmPrior:
-    return replace(prior, links=_NEARER * prior.links)
+        return choices[0]
+    best = int(np.argmin(scores))
+    return choices[best if scores[best] < _CLEARLY * scores[0] else 0]
 
 
 def _score(before: ArmEvaluation, after: ArmEvaluation) -> float:

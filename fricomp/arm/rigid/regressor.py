@@ -93,8 +93,8 @@ def compute_mass_matrices(arm: SimulatedArm, position: FloatArray, inertia: Floa
 
 def compute_gradients(
     arm: SimulatedArm, position: FloatArray, velocity: FloatArray, acceleration: FloatArray, inertia: FloatArray
-) -> FloatArray:
-    """How the torques of all joints change as one of them stands elsewhere and moves the same way [N·m/rad].
+) -> tuple[FloatArray, FloatArray]:
+    """How the torques of all joints change as one of them stands elsewhere [N·m/rad], or turns faster [N·m·s/rad].
 
     Args:
         arm: Kinematics.
@@ -104,14 +104,17 @@ def compute_gradients(
         inertia: Ten numbers of each link. Shape (n_links, 10).
 
     Returns:
-        Of joint i by the position of joint j. Shape (n, n_joints, n_joints).
+        Of joint i by the position of joint j, and by its velocity. Shapes (n, n_joints, n_joints).
     """
     n, count = position.shape
-    steps = _STEP * np.vstack([np.eye(count), -np.eye(count)])
-    motion = (np.tile(one, (2 * count, 1)) for one in (position, velocity, acceleration))
-    there = next(motion) + np.repeat(steps, n, axis=0)
-    torque = (compute_regressor(arm, there, *motion) @ inertia.ravel()).reshape(2, count, n, count)
-    return np.asarray(np.moveaxis(torque[0] - torque[1], 0, 2) / (2.0 * _STEP))
+    each = np.repeat(_STEP * np.vstack([np.eye(count), -np.eye(count)]), n, axis=0)
+    motion = [np.tile(one, (2 * count, 1)) for one in (position, velocity, acceleration)]
+    slopes = []
+    for moved in range(2):
+        there = [one + each if k == moved else one for k, one in enumerate(motion)]
+        torque = (compute_regressor(arm, *there) @ inertia.ravel()).reshape(2, count, n, count)
+        slopes.append(np.moveaxis(torque[0] - torque[1], 0, 2) / (2.0 * _STEP))
+    return slopes[0], slopes[1]
 
 
 def _weigh_torque(link: LinkMotion) -> FloatArray:

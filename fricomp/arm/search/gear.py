@@ -171,7 +171,7 @@ class GearSearch:
         for j, one in found.items():
             if one.gain > 0.0:
                 gears[j] = one.gear
-                torques[:, :, j] = self._motion.spread(j, one.gear)
+                torques[:, :, j] = self._motion.spread(j, one.gear, self._filled)
         return equations.with_gears(self._filled, gears, torques)
 
     def _settle(
@@ -233,7 +233,7 @@ class GearSearch:
         return best
 
     def _measure(self, judge: JointJudge, joint: int, gear: Gear) -> _Tried:
-        own = self._motion.change_own(joint, [gear])
+        own = self._motion.change_own(joint, [gear], self._filled)
         return _Tried(gear, float(judge.measure_gains(own, self._kind.spread)[0]))
 
     def bound(self, equations: ArmEquations, fit: ArmFit, joint: int) -> tuple[float, float]:
@@ -266,7 +266,7 @@ class GearSearch:
         if joint not in self._starts:
             inertia = float(self._motion.inertia[joint])
             gears = [_build_gear(inertia, *start, _DAMPING) for start in self._kind.starts]
-            self._starts[joint] = gears, self._motion.change_own(joint, gears)
+            self._starts[joint] = gears, self._motion.change_own(joint, gears, self._filled)
         return self._starts[joint]
 
 

@@ -12,8 +12,10 @@ from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, compute_
 from fricomp.laws import FloatArray
 
 from ..fit import ArmFit
+from ..friction import Filled
 from ..rigid.regressor import compute_gradients, compute_mass_matrices
 from ..rows import ArmRows
+from ..timing.encoder_noise import clear_position
 
 _FARTHEST = 1.0
 """[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate
@@ -59,46 +61,63 @@ class GearMotion:
         motion = rows.compare(lambda *motion: np.stack(motion, axis=1))
         position, velocity, acceleration = np.moveaxis(motion[sparse], 1, 0)
         mass = compute_mass_matrices(fit.arm, position, fit.inertia)
-        gradient = compute_gradients(fit.arm, position, velocity, acceleration, fit.inertia)
+        slopes = compute_gradients(fit.arm, position, velocity, acceleration, fit.inertia)
         every = np.arange(len(rows))
         self._rows = rows
-        self._mass, self._gradient = (_interpolate(every, sparse, one) for one in (mass, gradient))
+        self._mass, self._gradient, self._drag = (_interpolate(every, sparse, one) for one in (mass, *slopes))
         self.load, self._acceleration = fit.compute_load(rows), motion[:, 2]
         self.rotary, self.inertia = fit.arm.rotary, np.median(np.diagonal(self._mass, axis1=1, axis2=2), axis=0)
         self._carried: dict[int, list[CarriedLoad]] = {}
+        self._positions: dict[tuple[int, Filled], list[FloatArray]] = {}
 
-    def spread(self, joint: int, gear: Gear) -> FloatArray:
+    def spread(self, joint: int, gear: Gear, filled: Filled) -> FloatArray:
         """Torques of all joints by how the link of one moves otherwise than its motor [N·m]. Shape (n, n_joints)."""
-        (twist,), (curvature,) = self._follow(joint, [gear])
-        moved = self._mass[:, :, joint] * curvature[:, None] + self._gradient[:, :, joint] * twist[:, None]
-        return np.asarray(-moved)
+        return np.asarray(self._change(slice(None), joint, [gear], filled)[0])
 
-    def change_own(self, joint: int, gears: Sequence[Gear]) -> FloatArray:
+    def change_own(self, joint: int, gears: Sequence[Gear], filled: Filled) -> FloatArray:
         """Torque of a joint by how its link moves otherwise than its motor, on each of some gears [N·m]. Shape
         (n, n_gears)."""
-        twist, curvature = self._follow(joint, gears)
-        own = slice(None), joint, joint
-        return np.asarray(-(self._mass[own] * curvature + self._gradient[own] * twist).T)
+        return np.asarray(self._change(slice(joint, joint + 1), joint, gears, filled)[:, :, 0].T)
 
-    def _follow(self, joint: int, gears: Sequence[Gear]) -> tuple[FloatArray, FloatArray]:
-        """What the motor leads the link by at the rows [rad], and its second derivative [rad/s²], on each gear. Shapes
-        (n_gears, n)."""
+    def _change(self, joints: slice, joint: int, gears: Sequence[Gear], filled: Filled) -> FloatArray:
+        """Torques of some joints by the gear of one: -(M s" + N s' + G s). Shape (n_gears, n, n_joints)."""
+        own = slice(None), joints, joint
+        parts = zip((self._gradient, self._drag, self._mass), self._follow(joint, gears, filled), strict=True)
+        return np.asarray(-sum(slope[own] * moved[:, :, None] for slope, moved in parts))
+
+    def _follow(self, joint: int, gears: Sequence[Gear], filled: Filled) -> FloatArray:
+        """What the motor leads the link by at the rows [rad], and its first and second derivative [rad/s, rad/s²], on
+        each gear. Shape (3, n_gears, n)."""
         rows, inertia = self._rows, float(self.inertia[joint])
-        samples = [np.empty((len(time), 2, len(gears)), order="F") for time, _ in rows.clocks]
+        samples = [np.empty((len(time), 3, len(gears)), order="F") for time, _ in rows.clocks]
         for i, gear in enumerate(gears):
             coupling = Coupling(inertia, gear.stiffness, gear.damping, 0.5 * gear.width)
-            for load, part, (time, period), own in zip(
-                self._carry(joint), rows.parts, rows.clocks, samples, strict=True
-            ):  # as recorded: smoothed, a motor that is let go and turns at once would cross a part of the gap unseen
-                twist = compute_twist(np.ascontiguousarray(part.position[:, joint]), period, load, coupling)
-                curvature = np.gradient(np.gradient(twist, period), period)
+            for load, position, (time, period), own in zip(
+                self._carry(joint), self._list_positions(joint, filled), rows.clocks, samples, strict=True
+            ):
+                twist = compute_twist(position, period, load, coupling)
+                rate = np.gradient(twist, period)
+                curvature = np.gradient(rate, period)
                 curvature[time < time[0] + _UNKNOWN] = 0.0
-                own[:, 0, i], own[:, 1, i] = twist, curvature
+                own[:, 0, i], own[:, 1, i], own[:, 2, i] = twist, rate, curvature
         whole = np.logical_and.reduce([np.all(np.abs(one[:, 0]) < _FARTHEST, axis=0) for one in samples])
         for one in samples:
             one[:, :, ~whole] = 0.0  # also where it is no number
-        twists, curvatures = np.moveaxis(rows.compare_samples(samples), 0, 2)
-        return twists, curvatures
+        return np.moveaxis(rows.compare_samples(samples), 0, 2)
+
+    def _list_positions(self, joint: int, filled: Filled) -> list[FloatArray]:
+        """Where the motor of a joint was, part by part.
+
+        Before a gap as recorded: smoothed, a motor that is let go and turns at once would cross a part of it unseen.
+        Before a spring without what its encoder does not tell from noise: links that follow that noise less would be
+        all that speaks for a gear that gives way.
+        """
+        if (joint, filled) not in self._positions:
+            each = [np.ascontiguousarray(part.position[:, joint]) for part in self._rows.parts]
+            if filled == "spring":
+                each = [clear_position(one, part.period) for one, part in zip(each, self._rows.parts, strict=True)]
+            self._positions[joint, filled] = each
+        return self._positions[joint, filled]
 
     def _carry(self, joint: int) -> list[CarriedLoad]:
         """What hangs on a joint, part by part."""

@@ -25,6 +25,7 @@ from ..robust_fit import fit_robustly
 from ..rows import ArmRows, build_rows
 from ..search.gear import GearSearch
 from ..search.gear_motion import GearMotion
+from .encoder_noise import is_blurred
 
 CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """[Hz] that are tried."""
@@ -93,9 +94,14 @@ def choose_rows(
     if not looks:
         raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
     long_enough = [one for one in looks if is_long_enough(one.rows, recording)] or looks[-1:]
-    best = min(long_enough, key=lambda one: one.volume)
+    clear = [one for one in long_enough if not _is_blurred(one)] or long_enough[:1]
+    best = min(clear, key=lambda one: one.volume)
     most = best.volume + 2.0 * MOST_DEARER * best.known
-    return begin_search(arm, [one for one in long_enough if one.volume <= most][-1])
+    return begin_search(arm, [one for one in clear if one.volume <= most][-1])
+
+
+def _is_blurred(look: BandLook) -> bool:
+    return is_blurred(look.rows, look.fit, look.equations.weights.noise)
 
 
 def is_long_enough(rows: ArmRows, recording: ArmRecording) -> bool:
@@ -136,7 +142,9 @@ def choose_again(
         fresh = build_rows(fit.arm, recording, cutoff)
         if looks and not is_long_enough(fresh, recording):
             continue
-        looks.append(look_again(fresh, equations, fit, prior))
+        look = look_again(fresh, equations, fit, prior)
+        if not looks or cutoff < rows.cutoff or not _is_blurred(look):
+            looks.append(look)
     best = min(looks, key=lambda one: one.volume, default=None)
     least = 0.0 if geared else _CLEARLY  # the name of a gear hangs on it
     return begin_search(fit.arm, best) if best is not None and best.volume < looks[0].volume - least else None
