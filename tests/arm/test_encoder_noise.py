@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from fricomp.arm.coordinates import ArmModel
+from fricomp.arm.encoder_noise import clear_position, compute_noise_torque
 from fricomp.arm.equations import build_equations
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.fit import fit_arm
 from fricomp.arm.prior import ArmPrior
 from fricomp.arm.rows import build_rows
-from fricomp.arm.timing.encoder_noise import clear_position, compute_noise_torque
 
 from .moving_arm import record_arm, write_arm
 

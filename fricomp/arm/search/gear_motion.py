@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from fricomp.diagnosis.effects.two_masses import CarriedLoad, Coupling, compute_twist
 from fricomp.laws import FloatArray
 
+from ..encoder_noise import clear_position
 from ..fit import ArmFit
 from ..friction import Filled
 from ..rigid.regressor import compute_gradients, compute_mass_matrices
 from ..rows import ArmRows
-from ..timing.encoder_noise import clear_position
 
 _FARTHEST = 1.0
 """[rad] by which no motor leads its link: teeth that are damped by more than they swing cannot be simulated at the rate

@@ -16,6 +16,7 @@ from fricomp.laws import FloatArray
 
 from ..arm_recording import ArmRecording
 from ..coordinates import ArmModel
+from ..encoder_noise import is_blurred
 from ..equations import ArmEquations, build_equations
 from ..fit import ArmFit, fit_arm
 from ..friction import GEARS
@@ -25,7 +26,6 @@ from ..robust_fit import fit_robustly
 from ..rows import ArmRows, build_rows
 from ..search.gear import GearSearch
 from ..search.gear_motion import GearMotion
-from .encoder_noise import is_blurred
 
 CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 """[Hz] that are tried."""

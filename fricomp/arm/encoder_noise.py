@@ -12,9 +12,9 @@ from scipy.signal import welch
 
 from fricomp.laws import FloatArray
 
-from ..fit import ArmFit
-from ..rigid.regressor import compute_mass_matrices
-from ..rows import ArmRows, low_pass
+from .fit import ArmFit
+from .rigid.regressor import compute_mass_matrices
+from .rows import ArmRows, low_pass
 
 _SEGMENT = 8.0
 """[s] of a spectrum: slow motion leaks into no more than the next frequencies."""
