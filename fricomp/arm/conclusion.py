@@ -13,11 +13,11 @@ from fricomp.diagnosis.record.result import Quantity
 
 from .answer import ArmAnswer, TermEvidence
 from .comparison.delays import list_apart, list_mistimed
+from .comparison.elasticity import measure_stiffness
 from .comparison.links import describe_link, measure_link_change
 from .comparison.lone_link import find_lone_link
 from .comparison.stated import list_stated
 from .comparison.torque_scale import find_own_scale, scale_quantities, scale_quantity
-from .elasticity import measure_stiffness
 from .fit import Z95, ArmFit
 from .friction import CREEP, GEARS, TERMS
 from .friction_model import find_creep_velocity

@@ -12,8 +12,8 @@ import numpy as np
 
 from fricomp.diagnosis.record.result import Quantity
 
-from .fit import Z95
-from .identification import ArmIdentification
+from ..fit import Z95
+from ..identification import ArmIdentification
 
 _BLOCKS = 8
 
