@@ -87,7 +87,8 @@ def order_runs(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tup
 def _find_period(step: Samples) -> float:
     """The range of a clock all of whose falls are such a range less a few steps [s]; 0 where there is none."""
     falls, usual = step[step < 0.0], float(np.median(step))
-    return next((one for one in _RANGES if np.all((falls + one > 0.0) & (falls + one < _FEW * usual))), 0.0)
+    ranges = [one for one in _RANGES if one > _LATE * usual]  # shorter falls are those of rows out of order
+    return next((one for one in ranges if np.all((falls + one > 0.0) & (falls + one < _FEW * usual))), 0.0)
 
 
 def integrate(values: Samples, time: Samples) -> Samples:

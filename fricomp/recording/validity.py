@@ -85,7 +85,7 @@ def mend_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tu
     if _jitters(time, step):
         message = f"{np.count_nonzero(step <= 0.0)} of {time.size} rows are stamped no later than the one before"
         finding = Finding("jitter", "note", f"{message}, as by a clock that jitters", "nothing to do", column="time")
-        return {**channels, "time": _raise_stamps(time, float(np.median(step)))}, (finding,)
+        return {**channels, "time": _raise_stamps(np.sort(time), float(np.median(step)))}, (finding,)
     if not repeated.any() or np.mean(repeated) > _MANY_REPEATED:
         return dict(channels), ()
     row = int(np.argmax(repeated)) + 1

@@ -44,17 +44,28 @@ def find_counts(recording: Recording) -> tuple[Finding, ...]:
 
 def find_velocity_mismatch(recording: Recording) -> tuple[Finding, ...]:
     """A velocity column that is not the derivative of position: by a factor, by sign, or at all."""
-    pair = _increments(recording)
-    if pair is None:
+    compared = compare_rate(recording)
+    if compared is None:
         return ()
-    moved, expected = pair
-    factor = float(moved @ expected / (expected @ expected))
-    agreement = float(moved @ expected / np.sqrt((moved @ moved) * (expected @ expected)))
+    factor, agreement = compared
     if abs(agreement) < 0.8:
         message = f"velocity does not follow the motion of position (correlation {agreement:.2f})"
         advice = "check that both columns are of the same joint; leave velocity out"
         return (Finding("velocity_mismatch", "warning", message, advice, column="velocity"),)
     return _explain_factor(factor, recording)
+
+
+def compare_rate(recording: Recording) -> tuple[float, float] | None:
+    """How many times as far the position moves as the velocity column says, and the correlation of both ways.
+
+    None where there is no velocity, or nothing moves.
+    """
+    pair = _increments(recording)
+    if pair is None:
+        return None
+    moved, expected = pair
+    both = float(moved @ expected)
+    return both / float(expected @ expected), both / float(np.sqrt((moved @ moved) * (expected @ expected)))
 
 
 def find_flipped_reference(recording: Recording) -> tuple[Finding, ...]:

@@ -24,7 +24,7 @@ from .column import (
     without_observation,
 )
 from .device_unit import is_duty
-from .position_by_rate import find_position_by_rate
+from .position_by_rate import find_position_by_rate, is_rate_of
 from .shared_rest import read_currents, read_shared_rests
 from .two_encoders import pair_encoders
 from .vendor import read_vendor_name, with_vendor_unit
@@ -64,7 +64,8 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
         for joint, own in wanted.items()
     }
     taken = {name for own in candidates.values() for found in own.values() for name, _ in found}
-    return _share_position(columns, {joint: _with_position(columns, own, taken) for joint, own in chosen.items()})
+    chosen = _with_rate(columns, {joint: _with_position(columns, own, taken) for joint, own in chosen.items()})
+    return _share_position(columns, chosen)
 
 
 def list_names(names: Iterable[str]) -> str:
@@ -271,6 +272,18 @@ def _with_position(
     said = find_unit_words(column, -1)
     unit = unit_for("position", said[0].unit) if said else ""
     return {"position": (column, ColumnMeaning("position", meaning.joint, 0, unit)), **own}
+
+
+def _with_rate(columns: Mapping[str, Samples], chosen: Chosen) -> Chosen:
+    """The only joint with a velocity that its unit alone tells, `rate [deg/s]`, where its position has that rate."""
+    if len(chosen) != 1 or "velocity" in next(iter(chosen.values())) or "position" not in next(iter(chosen.values())):
+        return chosen
+    ((joint, own),) = chosen.items()
+    meanings = {name: read_column_unit(name) for name in columns}
+    found = [name for name, one in meanings.items() if one is not None and one.channel == "velocity"]
+    found = [name for name in found if is_rate_of(columns[name], columns.get(own["position"][0], columns[name]))]
+    meaning = meanings[found[0]] if len(found) == 1 else None
+    return chosen if meaning is None else {joint: own | {"velocity": (found[0], meaning)}}
 
 
 def _share_position(columns: Mapping[str, Samples], chosen: Chosen) -> Chosen:

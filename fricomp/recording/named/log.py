@@ -1,6 +1,7 @@
 """From the named columns of a log to a recording of each joint in it."""
 
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,7 @@ from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import spread_held, with_row_rate
 from fricomp.recording.unit import find_unit, shows_radians
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
-from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins
+from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins, mend_stamps
 
 from .choice import INTEGRAL, TORQUES, choose_columns
 from .column import RAW_UNIT, ColumnMeaning, name_joint
@@ -26,18 +27,23 @@ from .episodes import join_episodes
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
 from .head_fact import say_head_facts
 from .missing import explain_missing, say_left_out
+from .quantity_files import is_quantity_folder, read_quantity_files
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_named_columns
 from .sparse import join_sparse
 from .times.clock import find_stamps, read_times
 from .torque_constant import say_torque_constant
-from .unstated import refuse_unstated
+from .unstated import refuse_unstated, settle_units
 from .vendor import find_drive_of_turns
 
 _SURE = 3
 """Certainty of a column that the user chose, or whose vendor's unit is known."""
 _RADIANS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
 """Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians."""
+_TURN = 2.0 * np.pi
+_TWO_TURNS = 2.0 * _TURN
+"""Travel above which few joints of an arm are [rad]."""
+_ALL_BUT_OUTLIERS = (2, 98)
 _FEWEST_COUNTS = 10
 """Different whole numbers from which on no chance makes all of them so."""
 _REFERENCES = ("position_reference", "velocity_reference", "torque_command")
@@ -64,7 +70,7 @@ def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row
     """A recording of each joint in a file whose columns say what they hold.
 
     Args:
-        path: CSV or text with a line of names, Parquet, MAT, NPZ, JSON, MCAP or a bag.
+        path: CSV or text with a line of names, Parquet, MAT, NPZ, JSON, MCAP, a bag, or a folder of a file a quantity.
         channels: Column by channel where several could be one, such as {"torque": "tau_measured"}.
         row_rate: Rows a second in place of the stamps [Hz]; None takes the stamps.
 
@@ -72,7 +78,7 @@ def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row
         RecordingError: The file cannot be read, or does not say what its columns are.
         MissingExtraError: The package that reads the format is not installed.
     """
-    found = read_named_columns(path)
+    found = (read_quantity_files(path) if is_quantity_folder(path) else {}) or read_named_columns(path)
     columns = join_episodes(found, row_rate)
     if row_rate is not None and columns.keys() == found.keys():
         stamps = find_stamps(columns)
@@ -121,6 +127,8 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         recording, of_motor = bring_to_joint(path, recording, ratio, own)
         notes += of_motor
         findings += found
+        recording, settled = settle_units(path, recording, own, (column, unit))
+        notes += settled
         recordings.append(mark_assumed(recording, own))
         refuse_unstated(path, recording, own)
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}
@@ -132,7 +140,8 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += say_current_size(path, recordings[0], sources[first.joint])
     notes.append(_say_columns(path, recordings, sources))
     notes += say_left_out(path, columns, sources)
-    notes += _say_missing_unit(path, recordings[0], sources[recordings[0].metadata.joint])
+    unsaid = [_say_missing_unit(path, one, sources[one.metadata.joint], len(recordings)) for one in recordings]
+    notes += unsaid[0]
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
 
 
@@ -184,7 +193,7 @@ def _build(
 def _mend_rows(table: dict[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
     """The rows in their order and with a time that goes on, and what was done to them."""
     findings: tuple[Finding, ...] = ()
-    for mend in (drop_twins, sort_rows, order_runs, spread_held, drop_bad_rows):
+    for mend in (drop_twins, sort_rows, order_runs, spread_held, mend_stamps, drop_bad_rows):
         table, told = mend(table)
         findings += told
     return table, findings
@@ -292,17 +301,31 @@ def _ask_turns(
             )
 
 
-def _say_missing_unit(path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> list[str]:
+def _say_missing_unit(
+    path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]], joints: int
+) -> list[str]:
     """What was taken for the unit of a position, where nothing in the log tells it, and what another would do.
 
     A column that is called as the channel is of a recording of our own, in radians.
+
+    Raises:
+        RecordingError: In rad it would cover more turns than most joints do.
     """
     column, meaning = own["position"]
     stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
     ours = column == INTEGRAL or (column == "position" and own["torque"][0] == "torque")
     told = stated or meaning.unit or meaning.certainty >= _SURE or ours or _RADIANS.search(own["torque"][0])
+    told = told or are_counts(column, recording.position)  # which the checks ask about
     if told or recording.metadata.motion != "rotary" or shows_radians(recording.position):
         return []
+    travel = float(np.ptp(np.percentile(recording.position, _ALL_BUT_OUTLIERS)))
+    if travel > _TWO_TURNS:
+        asked = shlex.quote(f"position={column.replace(meaning.joint, '{joint}') if joints > 1 else column}")
+        raise RecordingError(
+            f"{path}: nothing tells the unit of {column!r}, which covers {travel:.4g}, in rad {travel / _TURN:.1f} "
+            f'turns: say position = {{ column = {column!r}, unit = "deg" }} or unit = "turns" in a mapping '
+            f"('fricomp convert LOG --inspect --out log.toml' begins one), or --channel {asked} where it is in rad"
+        )
     return [
         f"{path.name}: nothing tells the unit of {column!r}: it was taken as rad. If it is in turns, friction by speed "
         "and inertia come out 6.28 times too large; if in degrees, 57.3 times too small."

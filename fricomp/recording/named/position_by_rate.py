@@ -31,6 +31,11 @@ def find_position_by_rate(columns: Mapping[str, Samples], velocity: str, taken: 
     return best if best and likely[best] > _LEAST_ALIKE else ""
 
 
+def is_rate_of(velocity: Samples, position: Samples) -> bool:
+    """Whether one column is the rate of the other, in whatever units. Shape (n_rows,) each."""
+    return velocity.shape == position.shape and _compare_ways(position, velocity) > _LEAST_ALIKE
+
+
 def _compare_ways(values: Samples, rate: Samples) -> float:
     """Correlation of the ways of a column over many spans with the sums of its rate there. Shape (n_rows,) each."""
     known = np.isfinite(values) & np.isfinite(rate)

@@ -12,10 +12,18 @@ from fricomp.recording.validity import Samples
 
 from .choice import TORQUES
 from .column import read_column_name
-from .source import read_named_columns
+from .source import is_bag_folder, read_named_columns
 from .times.clock import find_stamps
 
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
+
+
+def is_quantity_folder(path: Path) -> bool:
+    """Whether a path is a folder that is one log, with a file for each quantity."""
+    if not path.is_dir() or is_bag_folder(path):
+        return False
+    said = {one.channel for file in _find_texts(path) if (one := read_column_name(file.stem)) is not None}
+    return "position" in said and bool(said & set(TORQUES)) and bool(read_quantity_files(path))
 
 
 def read_quantity_files(folder: Path) -> dict[str, Samples]:
@@ -70,10 +78,14 @@ def _read_tables(folder: Path) -> dict[str, Samples]:
     if not all(len(names) == 1 for names in clocks.values()):
         return {}
     times = {channel: columns.pop(clocks[channel][0]) for channel, columns in read.items()}
+    result = {clocks["position"][0]: times["position"]}
+    if all(len(columns) == 1 for columns in read.values()):  # of one joint, whatever they are called
+        for channel, columns in read.items():
+            result[tables[channel].stem] = _take_at(times["position"], times[channel], *columns.values())
+        return result
     joints = list(read["position"])
     if not joints or any(set(columns) != set(joints) for columns in read.values()):
         return {}
-    result = {clocks["position"][0]: times["position"]}
     for channel, columns in read.items():
         for joint in joints:
             name = f"{joint}.{tables[channel].stem}"

@@ -14,6 +14,8 @@ _SERIES = re.compile(r"\.(?:data|values|signals\.values)$", re.IGNORECASE)
 """What the numbers of one signal are called, beside its time."""
 _MOSTLY_SHARED = 0.9
 """Part of the time of signals from which on only their common time is kept: a short one must not cost the others."""
+_FEWEST_CURVES = 2
+"""Of a plot that are those of a joint: its position and its torque."""
 _FEWEST = 50
 """Rows of a channel that are a log of it."""
 
@@ -43,6 +45,7 @@ def place_pairs(columns: dict[str, Samples]) -> dict[str, Samples]:
     Args:
         columns: By name; the time of `torque` is `torque.time` where it is not the first column. Shape (n_rows,) each.
     """
+    columns = _name_points(columns)
     stamps = {name: f"{name}.time" for name in columns if f"{name}.time" in columns}
     first = next(iter(columns), "")
     placed = {
@@ -51,6 +54,28 @@ def place_pairs(columns: dict[str, Samples]) -> dict[str, Samples]:
         if not np.array_equal(columns[stamp], columns[first], equal_nan=True)
     }
     return {name: placed.get(name, values) for name, values in columns.items() if name not in stamps.values()}
+
+
+def _name_points(columns: dict[str, Samples]) -> dict[str, Samples]:
+    """The columns of a plot, a pair of two names that differ in their last letter for each curve, `q.x` beside `q.y`,
+    under the names of the curves and with the times of each beside it; others as they are.
+
+    What is called `x` is a time where it rises with all others over the same span.
+    """
+    names = list(columns)
+    pairs = list(zip(names[::2], names[1::2], strict=False))
+    if len(pairs) < _FEWEST_CURVES or len(names) % 2 or any(a[:-1] != b[:-1] or a == b for a, b in pairs):
+        return columns
+    spans = [columns[stamp][np.isfinite(columns[stamp])] for stamp, _ in pairs]
+    first, last = max(one[0] for one in spans if one.size), min(one[-1] for one in spans if one.size)
+    longest = max(one[-1] - one[0] for one in spans if one.size)
+    if not all(one.size and np.all(np.diff(one) >= 0.0) for one in spans) or last - first < _TOGETHER * longest:
+        return columns
+    named = dict[str, Samples]()
+    for stamp, value in pairs:
+        curve = value[:-1].rstrip("._ /")
+        named |= {f"{curve}.time" if named else "time": columns[stamp], curve: columns[value]}
+    return named
 
 
 def place_series(columns: dict[str, Samples]) -> dict[str, Samples]:

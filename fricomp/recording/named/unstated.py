@@ -2,19 +2,21 @@
 
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.checks.unit_checks import compare_rate
 from fricomp.recording.recording import Recording
-from fricomp.recording.runs import integrate
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UnitWord, find_unit_words, kind_of_unit, unit_for
 
 from .column import ColumnMeaning
 from .head_fact import read_head_lines
+from .times.stamp_unit import read_time_unit
 
 _SURE = 3
 """Certainty of a column that the user has named."""
@@ -23,6 +25,12 @@ _FINER = 5.0
 is read beside the joint's angle moves less far than its own velocity says."""
 _ALIKE = 0.95
 """Correlation of a position with the integral of a velocity from which on they are of one motion."""
+_SAME_UNIT = 5e-3
+"""Relative error within which the factor between a way and its rate is that of a unit: ten is 5 % from that of rpm."""
+_RARE = ("mrad/s", "mdeg/s", "krpm", "in/s")
+"""Units of a velocity that none is in without saying so."""
+_COUNTED, _POWERS = ("ms", "us", "ns"), (-2, -1, 1, 2)
+"""Units of time that were guessed by steps, and the powers of ten by which these miss: counters of 0.1 ms, of 10 us."""
 _PARTS = re.compile(r"[,;:]\s|\band\b|\bund\b")
 """Where a line goes on to another quantity: `angles in degrees, torques in mNm`."""
 _BESIDE_NUMBER = re.compile(r"\d\s*[\[(]?$")
@@ -85,15 +93,60 @@ def _refuse_other_way(path: Path, recording: Recording, position: str, velocity:
     Raises:
         RecordingError: It does.
     """
-    if recording.velocity is None or recording.metadata.motion != "rotary":
-        return
-    way = integrate(np.asarray(recording.velocity), np.asarray(recording.time))
-    if np.ptp(way) == 0.0 or np.ptp(recording.position) == 0.0:
-        return
-    factor = float(np.polyfit(way, recording.position, 1)[0])
-    if factor > _FINER and np.corrcoef(way, recording.position)[0, 1] > _ALIKE:
+    compared = compare_rate(recording) if recording.metadata.motion == "rotary" else None
+    if compared is not None and compared[0] > _FINER and compared[1] > _ALIKE:
         raise RecordingError(
-            f"{path}: {position!r} states no unit, and moves {factor:.5g} times as far as {velocity!r} says: write "
-            f"position = {{ column = {position!r}, scale = {1.0 / factor:.5g} }} in a mapping, or the unit that makes "
-            "about that ('fricomp convert LOG --inspect --out log.toml' begins one)"
+            f"{path}: {position!r} states no unit, and moves {compared[0]:.5g} times as far as {velocity!r} says: "
+            f"write position = {{ column = {position!r}, scale = {1.0 / compared[0]:.5g} }} in a mapping, or the unit "
+            "that makes about that ('fricomp convert LOG --inspect --out log.toml' begins one)"
         )
+
+
+def settle_units(
+    path: Path, recording: Recording, own: dict[str, tuple[str, ColumnMeaning]], time: tuple[str, str]
+) -> tuple[Recording, list[str]]:
+    """The recording with the units that position, velocity and time tell of each other, and what was taken for what.
+
+    One is the rate of another: where the factor between them is that of a unit, the column without one is in that. A
+    position is converted only by a velocity that states its unit, since a gear makes a factor as well.
+
+    Args:
+        path: Of the log.
+        recording: What was read of it.
+        own: Column and meaning of the joint by channel; what was settled is written into it.
+        time: Name of the column with the time, and its unit.
+    """
+    compared = compare_rate(recording) if "velocity" in own else None
+    if compared is None or compared[1] < _ALIKE or abs(compared[0] - 1.0) < _SAME_UNIT:
+        return recording, []
+    silent = [channel for channel in ("position", "velocity") if _is_silent(channel, own)]
+    unit = _find_unit_by_rate(compared[0], recording, own, silent)
+    if unit is not None:
+        channel = kind_of_unit(unit)
+        column, meaning = own[channel]
+        own[channel] = (column, replace(meaning, unit=unit))
+        scaled = {channel: np.asarray(recording.channels[channel]) * UNITS[unit].factor}
+        other = own["velocity" if channel == "position" else "position"][0]
+        return recording.with_channels(**scaled), [f"{path.name}: {column!r} was taken to be in {unit}, by {other!r}."]
+    power = round(np.log10(compared[0]))
+    is_open = time[1] in _COUNTED and not read_time_unit(time[0]) and len(silent) != 1
+    if not is_open or power not in _POWERS or abs(compared[0] / 10.0**power - 1.0) > _SAME_UNIT:
+        return recording, []
+    own["time"] = (time[0], ColumnMeaning("time", "", 0, time[1], 10.0**power))
+    note = f"{path.name}: {time[0]!r} was taken to be in {10.0**power:g} {time[1]}, by {own['velocity'][0]!r}."
+    return recording.with_channels(time=np.asarray(recording.time) * 10.0**power), [note]
+
+
+def _find_unit_by_rate(
+    factor: float, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]], silent: Sequence[str]
+) -> str | None:
+    """The unit of the column without one, by how many times as far the position moves as the velocity says."""
+    if "velocity" in silent:
+        si = "rad/s" if recording.metadata.motion == "rotary" else "m/s"
+        worth = {unit: one.factor for unit, one in UNITS.items() if one.si == si and unit not in _RARE}
+    elif "position" in silent and recording.metadata.motion == "rotary":
+        by_turns = ("turns",) if own["velocity"][1].unit in ("rpm", "turns/s") else ()
+        worth = {unit: 1.0 / UNITS[unit].factor for unit in ("deg", *by_turns)}
+    else:
+        return None
+    return next((unit for unit, one in worth.items() if one != 1.0 and abs(factor / one - 1.0) < _SAME_UNIT), None)

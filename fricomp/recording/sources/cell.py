@@ -13,6 +13,13 @@ DECIMAL_POINT = re.compile(r"[+-]?(?:0?\.\d+|\d+\.(?!\d{3}$)\d+|\d{1,3}(?:,\d{3}
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
 _DAY_FIRST = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)")
 _SLASHES = re.compile(r"(\d{1,2})/(\d{1,2})/(\d{4})[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\s*([AaPp][Mm])?")
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_NAMED_MONTH = re.compile(
+    rf"(?:[A-Za-z]{{3}},? )?(\d{{1,2}})[- ]({'|'.join(_MONTHS)})[a-z]*\.?[- ](\d{{4}})"
+    r"[ T]+(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)",
+    re.IGNORECASE,
+)
+"""`14-Mar-2026 09:30:00.123`, as MATLAB writes dates."""
 DOTTED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+")
 """A number with points between thousands and a decimal comma."""
 _GAPPED = re.compile(r"[+-]?\d{1,3}(?:([ \u00a0\u2009\u202f'’])\d{3})(?:\1\d{3})*(?:[.,]\d*)?")
@@ -134,6 +141,10 @@ def _parse_stamp(text: str) -> float:
     slashes = _SLASHES.fullmatch(text)
     if slashes:
         text = _reorder(*slashes.groups())
+    named = _NAMED_MONTH.fullmatch(text)
+    if named:
+        day, month, year, clock = named.groups()
+        text = f"{day}.{_MONTHS.index(month.lower()) + 1}.{year} {clock}"
     european = _DAY_FIRST.fullmatch(text)
     if european:
         day, month, year, clock = european.groups()

@@ -39,9 +39,10 @@ def tabulate(content: Any) -> Contents | None:
     rows = [value for value in flat.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
     rows = [one for one in rows if len(one) >= _FEWEST_ROWS] or rows
     columns = flatten_arrays(flat)
+    said = {name: [value] for name, value in flat.items() if isinstance(value, str)}
     if len(rows) == 1 and all(column.size < _FEWEST_ROWS for column in columns.values()):
-        return Contents(columns_of_records(rows[0]), _list_words(rows[0]))
-    return Contents(columns, {name: [value] for name, value in flat.items() if isinstance(value, str)})
+        return Contents(columns_of_records(rows[0]), said | _list_words(rows[0]))
+    return Contents(columns, said)
 
 
 def _read_frame(content: Any) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from fricomp.recording.unit_word import find_unit_words
 
 from .cell import is_number, parse_number, read_measured, read_measured_si
+from .dumped_rows import tabulate_dump
 from .labelled_rows import join_rows, tabulate_labelled
 from .octave_text import tabulate_variables
 from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
@@ -42,7 +43,8 @@ _JOINT_LABEL = re.compile(r'\b(?:joint|joint_name|motor|axis)="([^"]*)"')
 def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     """The lines as they are, or those of a table with the same numbers.
 
-    Variables of Octave, rows in brackets, rows that label each number, messages of ROS as they are printed, samples of
+    Rows of data bases and of pages, variables of Octave, rows in brackets, rows that label each number, messages of
+    ROS as they are printed, samples of
     Prometheus, lines behind the time at which they arrived, elements of XML, a channel a line, and cells with units
     become plain rows below one line of names.
 
@@ -51,7 +53,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     try:
-        lines = tabulate_variables(lines) or _read_python(lines)
+        lines = tabulate_dump(lines) or tabulate_variables(lines) or _read_python(lines)
         lines = _unwrap(lines) or _join_decimals(lines) or lines
         lines = tabulate_yaml(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
         lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines

@@ -1,5 +1,6 @@
 """Tables of other programs in Parquet, Feather or Arrow: columns of numbers, of lists of numbers, and structures."""
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +72,9 @@ def read_table(path: Path, source: Source) -> Contents:
         columns.update(_columns_by_names(name, values, said.get(name.rpartition(".")[0], [])))
         if any(isinstance(value, str) for value in values):
             words[name] = [value or "" for value in values]
+    rate = _read_info(path).get("fps")
+    if "frame_index" in columns and "timestamp" not in columns and isinstance(rate, int | float) and rate > 0:
+        columns["timestamp"] = columns["frame_index"] / rate
     return Contents(columns, words)
 
 
@@ -165,15 +169,20 @@ def _read_words(name: str, values: list[Any]) -> Columns:
 
 def _entry_names(path: Path) -> dict[str, list[str]]:
     """What the data set calls the entries of its columns; nothing where it does not say."""
+    features = _read_info(path).get("features")
+    features = features if isinstance(features, dict) else {}
+    return {name: _flat(one.get("names")) for name, one in features.items() if isinstance(one, dict)}
+
+
+def _read_info(path: Path) -> dict[str, Any]:
+    """What is said of the data set that a file is of; nothing where it is of none."""
     for folder in list(path.resolve().parents)[:_LEVELS]:
         file = folder / _INFO
-        if not file.is_file():
-            continue
-        try:
-            features = parse_json(file.read_bytes())["features"]
-        except (msgspec.DecodeError, KeyError, TypeError, OSError):
+        if file.is_file():
+            with suppress(msgspec.DecodeError, OSError):
+                info = parse_json(file.read_bytes())
+                return info if isinstance(info, dict) else {}
             return {}
-        return {name: _flat(one.get("names")) for name, one in features.items() if isinstance(one, dict)}
     return {}
 
 

@@ -282,12 +282,11 @@ def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled:
         layout: Without names.
         labelled: Whether a word such as `Name` in the first place is that of the line, since numbers stand below it.
     """
-    units = next((one for one in headings if _are_units(one.cells)), None)
-    units = units or next((one for one in headings if _are_units(one.cells, _MOSTLY_UNITS)), None)
-    others = [one for one in headings if one is not units] or headings[:1]
+    units = _find_units(headings)
+    others = [one for one in headings if units is None or one.number != units.number] or headings[:1]
     known = {one.number: count_known(one.cells) for one in others}
     line = max(others, key=lambda one: (not one.is_comment and known[one.number] > 0, known[one.number]))
-    said = units.cells if units is not None and units is not line else []
+    said = units.cells if units is not None and units.number != line.number else []
     cells = _join_levels(line, [one for one in others if one is not line and not one.is_comment])
     if labelled and cells[0].lower() in _NAMES_OF_PAIRS:
         cells, said = ["time", *cells[1:]], ["", *said[1:]]
@@ -295,6 +294,16 @@ def _choose_names(headings: Sequence[_Heading], layout: TextLayout, *, labelled:
     names = tuple(_with_unit(name, unit) for name, unit in pairs)
     is_changed = list(names) != list(line.cells)
     return replace(layout, names=names, names_line=line.number, in_comment=line.is_comment, is_joined=is_changed)
+
+
+def _find_units(headings: Sequence[_Heading]) -> _Heading | None:
+    """The line of units: that with a label before each, without what else it says; else that which consists of them."""
+    for one in headings:
+        labelled = [cell if _UNIT_LABEL.match(cell) else "" for cell in one.cells]
+        if sum(map(bool, labelled)) > 1:
+            return one._replace(cells=labelled)
+    of_units = (one for least in (1.0, _MOSTLY_UNITS) for one in headings if _are_units(one.cells, least))
+    return next(of_units, None)
 
 
 def _join_levels(line: _Heading, others: Sequence[_Heading]) -> list[str]:
@@ -312,7 +321,7 @@ def _join_levels(line: _Heading, others: Sequence[_Heading]) -> list[str]:
         if len(both) == len(line.cells) and len({name for name in both if name}) == len(said):
             joined = ["", *both[1:]] if count_known(both[:1]) == 0 else both
             break
-    if joined[:1] != [""]:
+    if joined[:1] != [""] and (count_known(joined[:1]) or joined[0].lower() in _NAMES_OF_PAIRS):
         return joined
     firsts = [one.cells[0] for one in others if one.cells[:1] != [""] and count_known(one.cells[:1])]
     return [*firsts[:1], *joined[1:]] if firsts else joined

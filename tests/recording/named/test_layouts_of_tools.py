@@ -21,8 +21,8 @@ from .proposed_mapping import convert_by_proposal
 
 N_ROWS, RATE = 900, 125.0
 TIME = np.arange(N_ROWS) / RATE
-POSITION = 40.7 * np.sin(1.1 * TIME) + 0.3 * np.sin(4.7 * TIME + 0.2)
-VELOCITY = 44.77 * np.cos(1.1 * TIME) + 1.41 * np.cos(4.7 * TIME + 0.2)
+POSITION = 4.07 * np.sin(1.1 * TIME) + 0.3 * np.sin(4.7 * TIME + 0.2)
+VELOCITY = 4.477 * np.cos(1.1 * TIME) + 1.41 * np.cos(4.7 * TIME + 0.2)
 TORQUE = 1234.5 * np.sign(VELOCITY) + 5.25 * VELOCITY
 Samples = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 Write = Callable[[Path], Path]
@@ -183,11 +183,11 @@ def test_a_name_says_which_quantity(name: str, channel: str, joint: str) -> None
 
 @pytest.mark.parametrize("name", ["Present Current", "torque"])
 def test_whole_numbers_without_a_unit_are_no_amperes(name: str, tmp_path: Path) -> None:
-    path = write(tmp_path / "log.csv", [f"t,pos_deg,{name}", *rows_of(TIME, POSITION, np.round(0.1 * TORQUE))])
+    path = write(tmp_path / "log.csv", [f"t,pos_deg,{name}", *rows_of(TIME, POSITION, np.round(TORQUE))])
     with pytest.raises(RecordingError, match="holds whole numbers alone and names no unit: counts of a register"):
         read_named_log(path)
-    stated = write(tmp_path / "mA.csv", [f"t,pos_deg,{name} [mNm]", *rows_of(TIME, POSITION, np.round(0.1 * TORQUE))])
-    assert read_named_log(stated).recordings[0].torque == pytest.approx(1e-3 * np.round(0.1 * TORQUE))
+    stated = write(tmp_path / "mA.csv", [f"t,pos_deg,{name} [mNm]", *rows_of(TIME, POSITION, np.round(TORQUE))])
+    assert read_named_log(stated).recordings[0].torque == pytest.approx(1e-3 * np.round(TORQUE))
 
 
 def test_a_mapping_that_is_proposed_can_be_followed(tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ _PERIOD = re.compile(
 )
 """Names of a single number that is the time from row to row."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{TIME_UNIT}\s*[\])]\s*$", re.IGNORECASE)
+_ENDS_IN_UNIT = re.compile(r"[_ ](ms|us|µs|ns|msec|usec|nsec)$", re.IGNORECASE)
 _COUNTER = re.compile(
     r"(^|[/_. ])(samples?|index|idx|n|nr|no|counter|count|cycles?|rows?)([_ ]?(no|nr|num\w*))?$", re.I
 )
@@ -98,6 +99,13 @@ def find_stamps(columns: Iterable[str]) -> list[str]:
     return sorted(called, key=lambda name: (len(name), name))
 
 
+def _find_clocks_by_unit(columns: Mapping[str, Samples]) -> list[str]:
+    """Names of columns that end in a part of a second and never go back: `mcu_us`, whatever else they are called."""
+    ended = [name for name in columns if _ENDS_IN_UNIT.search(name) and read_column_name(name) is None]
+    rising = (name for name in ended if not says_steps(name) and _rises(columns[name]))
+    return [name for name in rising if np.all(np.diff(columns[name][np.isfinite(columns[name])]) >= 0.0)]
+
+
 def _is_time(name: str) -> bool:
     """Whether a column is called as a time: `robot_time`, or `RobotTime` in one word."""
     return bool(_TIME.match(name) or _TIME.match(_WORD_BEGINS.sub("_", name)))
@@ -122,7 +130,8 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     period = {name: values for name, values in columns.items() if values.size == 1 < rows and _PERIOD.match(name)}
     columns = {name: values for name, values in columns.items() if name not in period}
     split = _find_split_stamp(columns)
-    stamps = [name for name in find_stamps(columns) if split is None or name not in split]
+    stamps = [*find_stamps(columns), *_find_clocks_by_unit(columns)]
+    stamps = [name for name in dict.fromkeys(stamps) if split is None or name not in split]
     rate = read_head_facts(path).get("rate")
     replaced = split is not None or rate is not None
     stamps = [name for name in stamps if not replaced or np.isfinite(columns[name]).any()]
