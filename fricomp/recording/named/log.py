@@ -315,8 +315,8 @@ def _say_missing_unit(
     stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
     ours = column == INTEGRAL or (column == "position" and own["torque"][0] == "torque")
     told = stated or meaning.unit or meaning.certainty >= _SURE or ours or _RADIANS.search(own["torque"][0])
-    told = told or are_counts(column, recording.position)  # which the checks ask about
-    if told or recording.metadata.motion != "rotary" or shows_radians(recording.position):
+    counted = are_counts(column, recording.position)  # which the checks ask about
+    if told or counted or recording.metadata.motion != "rotary" or shows_radians(recording.position):
         return []
     travel = float(np.ptp(np.percentile(recording.position, _ALL_BUT_OUTLIERS)))
     if travel > _TWO_TURNS:
