@@ -5,7 +5,6 @@ lengths) is refused where the recording is made; here is what a valid recording 
 """
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -43,7 +42,6 @@ from fricomp.recording.checks.unit_checks import (
     find_velocity_mismatch,
     find_wrong_temperature,
 )
-from fricomp.recording.file import read_content
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
@@ -115,14 +113,3 @@ def _look_for_all(recording: Recording) -> tuple[Finding, ...]:
     first = {(finding.code, finding.column): finding for finding in reversed(findings)}
     once = [finding for finding in findings if first[finding.code, finding.column] is finding]
     return tuple(sorted(once, key=lambda finding: _ORDER[finding.severity]))
-
-
-def read_checked(path: str | Path) -> CheckedRecording:
-    """Read a recording and check it.
-
-    Raises:
-        RecordingError: The file is missing, damaged, or its samples cannot be used.
-        MissingExtraError: The file is Parquet and pyarrow is not installed.
-    """
-    content = read_content(Path(path))
-    return CheckedRecording(content.recording, content.findings + check_recording(content.recording))
