@@ -24,6 +24,7 @@ from fricomp.calibration.motion.missed_torque import find_missed_gravity
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
+from fricomp.model import JointDynamics
 from fricomp.recording import Recording
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
 
@@ -276,7 +277,19 @@ def _identify_recording(
         notes += tell_what_else_acts(motion, samples)
         motion = doubt_for_step(doubt_for_degrees(motion, findings), findings)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
-    return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
+    result = motion.friction if one_way else _with_rigid_body(motion)
+    return Identification(result, motion, None, tuple(notes), _facts(name, settings), data)
+
+
+def _with_rigid_body(motion: MotionIdentification) -> IdentificationResult:
+    """The friction with what moves beside it in its model, where the motion determines the inertia: that can be
+    evaluated by itself.
+    """
+    body, result = motion.rigid_body, motion.friction
+    if body.inertia < 2.0 * body.standard_deviations[0] or body.inertia <= 0.0:
+        return result
+    dynamics = JointDynamics(body.inertia, *body.gravity, offset=body.offset, torque_delay=motion.lag.value)
+    return replace(result, model=replace(result.model, dynamics=dynamics))
 
 
 def _bound_notes(result: IdentificationResult) -> list[str]:

@@ -93,3 +93,11 @@ def test_arguments_that_do_not_apply_are_refused_by_their_names(tmp_path: Path, 
         fricomp.identify(SPEED, torque, law="lugre")
     with pytest.raises(IdentificationError, match="unknown law 'magic'"):
         fricomp.identify(SPEED, torque, law="magic")
+
+
+def test_a_recording_gives_a_model_that_can_be_evaluated_by_itself(tmp_path: Path) -> None:
+    log = _motion()
+    fricomp.identify(log).save(tmp_path / "out")
+    dynamics = fricomp.load_model(tmp_path / "out" / "friction.json").dynamics
+    assert dynamics is not None
+    assert dynamics.inertia == pytest.approx(0.1, rel=0.05)

@@ -17,6 +17,8 @@ _JUMP = 30.0
 """Step over the steps around it, above which no motion makes it."""
 _WRAP = 10.0
 """The same of a wrap, which also has a known size."""
+_FAR = 4.0
+"""Steps of a fast motion from which on one that is a tenth as fast before and after makes none."""
 _LEAST_JUMP = 0.01
 """Part of the travel below which a jump does no harm."""
 _HELD = 20
@@ -27,6 +29,8 @@ _MOST_STRAYS = 0.3
 """Part of the rows above which it is not clear which of them are the joint's."""
 _SPEED = 2.0
 """Times the usual top speed that a joint may reach while others' rows are in between."""
+_SAME_RANGE = 0.05
+"""Relative error of the jumps of a counter, within which they are of one range."""
 _FASTEST = 0.98
 """Part of the steps that are no longer than those of a fast motion."""
 _ALIKE = 0.5
@@ -110,10 +114,17 @@ def find_period(recording: Recording) -> Wrap | None:
     passed = np.abs(np.median(_neighbours(step), axis=0))[wraps]  # the way of the joint itself within the step
     sizes = size[wraps] + passed
     period = float(np.median(sizes))
-    tolerance = 0.05 * period + 3.0 * float(np.median(around))
+    tolerance = np.minimum(_SAME_RANGE * period, _measure_reach(recording, wraps)) + 3.0 * float(np.median(around))
     if np.any(np.abs(sizes - period) > tolerance) or travel > 1.1 * period:
         return None
     return Wrap(snap_period(period, measure_quantum(np.asarray(recording.position))), int(wraps.size))
+
+
+def _measure_reach(recording: Recording, steps: NDArray[np.intp]) -> Samples:
+    """How far the joint may have come in some steps [rad] or [m]: outliers differ by more from each other."""
+    usual = np.delete(np.abs(np.diff(recording.position)), steps)
+    top = float(np.quantile(usual[usual > 0.0], _FASTEST, method="lower")) if usual.any() else 0.0
+    return _SPEED * top * np.maximum(np.diff(recording.time)[steps] / recording.sample_period, 1.0)
 
 
 def unwrap_position(recording: Recording) -> tuple[Recording, Wrap | None]:
@@ -150,7 +161,9 @@ def follow_motion(recording: Recording) -> Continuity:
     periods = np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)
     travel = float(np.ptp(np.quantile(recording.position, [_TAIL, 1.0 - _TAIL])))
     around = _around(recording)
-    jumps = np.flatnonzero((step / periods > _JUMP * around) & (step > _LEAST_JUMP * travel))
+    top = float(np.quantile(step[step > 0.0] / periods[step > 0.0], _FASTEST)) if step.any() else 0.0
+    factor = np.where(step > _FAR * top * periods, _WRAP, _JUMP)  # no joint is slow, faster than ever, and slow again
+    jumps = np.flatnonzero((step / periods > factor * around) & (step > _LEAST_JUMP * travel))
     if not jumps.size:
         return nothing
     keep = _chain(recording, _with_held_ends(np.asarray(recording.position), jumps), around)

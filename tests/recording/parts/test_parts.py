@@ -230,3 +230,23 @@ def test_rows_of_readings_that_failed_and_repeat_the_one_before_are_left_out(
     assert left.reason == "rows that repeat the one before while the joint moves"
     assert 0.5 * np.count_nonzero(failed) < left.rows <= np.count_nonzero(failed)
     assert len(usable.parts) == 1
+
+
+@pytest.mark.parametrize(("rate", "held"), [(50.0, 3), (200.0, 4), (500.0, 2)])
+def test_outliers_at_one_value_are_no_counter_that_wraps(rate: float, held: int) -> None:
+    log = joint_log(24.0, rate, 40)
+    rows = np.random.default_rng(41).choice(len(log) - 2 * held, 6, replace=False) + held
+    usable = find_usable_parts(_with(log, (rows[:, None] + np.arange(held)).ravel(), position=55.0))
+    assert not any("wraps" in one for one in usable.sentences)
+    assert np.ptp(usable.kept.position) == pytest.approx(np.ptp(log.position), rel=0.05)
+
+
+@pytest.mark.parametrize(("rate", "start"), [(125.0, 2.0), (200.0, 9.3), (100.0, 14.1)])
+def test_a_torn_stretch_is_left_out_of_a_slow_log_too(rate: float, start: float) -> None:
+    time = np.arange(int(24.0 * rate)) / rate
+    position = 0.5 * np.sin(2.0 * np.pi * (0.1 * time + 0.025 * time**2)) + 0.3
+    torn = (time >= start) & (time < start + 1.2)
+    log = Recording(time, np.where(torn, 0.0, position), np.sign(np.gradient(position)) + 0.2 * np.gradient(position))
+    usable = find_usable_parts(log)
+    assert sum(len(part) for part in usable.parts) <= len(log) - np.count_nonzero(torn)
+    assert sum(len(part) for part in usable.parts) > 0.9 * len(log) - np.count_nonzero(torn)
