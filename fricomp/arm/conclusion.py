@@ -19,7 +19,7 @@ from .comparison.lone_link import find_lone_link
 from .comparison.stated import list_stated
 from .comparison.torque_scale import find_own_scale, scale_quantities, scale_quantity
 from .fit import Z95, ArmFit
-from .friction import CREEP, GEARS, TERMS
+from .friction import CREEP, GEARS, TERMS, JointForm
 from .friction_model import find_creep_velocity
 from .identification import ArmIdentification
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord
@@ -159,12 +159,21 @@ def _describe_joint(
         error_model=float(answer.errors.model[joint]),
         unexplained=answer.measure_unexplained(joint),
         stiffness=measure_stiffness(found, joint),
-        creep_velocity=find_creep_velocity(found, joint) if CREEP in form.names else None,
+        creep_velocity=find_creep_velocity(found, joint) if _creeps(form, values) else None,
         possible_spring=None if spring is None else _quantity(*spring, f"{torque}/{position}"),
         link_change=measure_link_change(found, joint),
         stated=list_stated(fit.arm, joint),
         unnamed=answer.list_unnamed(joint),
     )
+
+
+def _creeps(form: JointForm, values: Mapping[str, Quantity]) -> bool:
+    """Whether all dry friction of a joint creeps. Where a part of it seems to, its joint sticks for a moment at
+    reversals."""
+    if CREEP not in form.names:
+        return False
+    low, high = values[TERMS[CREEP].names(dict(form.terms)[CREEP])[0]].ci95
+    return low <= values["coulomb"].value <= high
 
 
 def _describe_effect(

@@ -222,7 +222,8 @@ def say_creep(joints: Sequence[JointRecord]) -> tuple[str, ...]:
         return ()
     return (
         "Friction creeps below a speed, as that of MuJoCo does by its default solref, and is viscous there, in "
-        f"{', '.join(shown)}: its Coulomb level is that above. The joints of a robot stick.",
+        f"{', '.join(shown)}: its Coulomb level is that above. Joints of a robot stick; some look so that stick for a "
+        "moment at each reversal.",
     )
 
 
