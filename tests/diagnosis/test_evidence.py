@@ -306,17 +306,36 @@ def test_something_smooth_or_swinging_that_is_heard_is_unknown(
     assert stands_out(found, base) == unknown
 
 
-@pytest.mark.parametrize(("noise", "unknown"), [(0.02, True), (0.01, False)])
-def test_what_is_left_must_matter_beside_the_friction(noise: float, unknown: bool) -> None:
-    """However far above the noise: a quiet sensor shows more than anybody would look for."""
+@pytest.mark.parametrize(
+    ("noise", "quiet", "of_torque", "unknown"),
+    [
+        (0.02, True, 1.0, True),
+        (0.01, True, 1.0, False),  # the arithmetic of a simulator
+        (0.01, False, 1.0, True),
+        (0.002, False, 1.0, False),
+    ],
+)
+def test_what_is_left_must_matter_beside_the_friction(
+    noise: float, quiet: bool, of_torque: float, unknown: bool
+) -> None:
+    """Without noise, a part of it that a user would look for; with noise, much less."""
     base = known_baseline(loudness=2.0)
     weights = replace(base.nulls.weights, spread=(np.full_like(base.nulls.weights.spread[0], noise),))
-    quiet = replace(base, nulls=replace(base.nulls, rows=(noise * base.nulls.rows[0],), weights=weights))
-    left, share = measure_left(quiet)
+    nulls = replace(base.nulls, rows=(noise * base.nulls.rows[0],), weights=weights, quiet=quiet, of_torque=of_torque)
+    heard = replace(base, nulls=nulls)
+    left, share = measure_left(heard)
     assert left == pytest.approx(np.sqrt(3.0) * noise)
     assert share == pytest.approx(left / PLANT.level)
-    assert stands_out(known_search(best=False), quiet) == unknown
-    assert stands_out(known_search(best=False), quiet, covered=True)  # effects of the catalogue cover it
+    assert stands_out(known_search(best=False), heard) == unknown
+    assert stands_out(known_search(best=False), heard, covered=True)  # effects of the catalogue cover it
+
+
+@pytest.mark.parametrize(("of_torque", "unknown"), [(0.0, False), (0.5, False), (0.9, True)])
+def test_what_an_encoders_steps_may_leave_is_nothing_unknown(of_torque: float, unknown: bool) -> None:
+    """A loop that chatters at them makes torque that hangs on their phase, which nobody knows."""
+    base = known_baseline(loudness=1.1, structured=True)  # leaves 0.46 of the noise
+    steps = replace(base, nulls=replace(base.nulls, of_torque=of_torque))
+    assert stands_out(known_search(best=False), steps) == unknown
 
 
 def test_beside_no_friction_at_all_everything_that_is_left_matters() -> None:

@@ -54,12 +54,12 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
-def is_trifling(held: Confirmation, chosen: Explanation) -> bool:
-    """Whether the plain held-out error falls by less than the finest noise of a row has, and nothing that a user would
-    care about changes where the effects act, as a late torque does at reversals alone: a simulator's own arithmetic, or
+def is_trifling(held: Confirmation, baseline: Baseline) -> bool:
+    """Whether no more goes from the plain held-out error, nor changes where the effects act, as a late torque does at
+    reversals alone, than what a user would care about in a recording without noise: a simulator's own arithmetic, or
     what happens between two samples, is as much."""
-    level, plain = unpack(chosen.fit.theta[: len(BASE_NAMES)]).level, held.plain
-    return plain.size < JOINT.finest * level and plain.acting < GATES.material * level
+    plain, level = held.plain, unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+    return baseline.nulls.quiet and plain.size < GATES.trifle * level and plain.acting < GATES.material * level
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:
@@ -105,5 +105,10 @@ def measure_left(baseline: Baseline) -> tuple[float, float]:
 
 
 def matters(baseline: Baseline) -> bool:
-    """Whether what the base leaves is a part of the friction that a user would care about."""
-    return measure_left(baseline)[1] > GATES.material
+    """Whether what the base leaves is more than the recordings can be trusted for: without noise a part of the friction
+    that a user would care about, else more than the encoder's steps make, which are known but for their phase."""
+    left, share = measure_left(baseline)
+    if baseline.nulls.quiet:
+        return share > GATES.material
+    spread = float(np.median(np.concatenate(baseline.nulls.weights.spread)))
+    return share > JOINT.finest and left > GATES.phase * float(np.sqrt(1.0 - baseline.nulls.of_torque)) * spread

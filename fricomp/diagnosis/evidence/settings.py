@@ -68,9 +68,13 @@ class GateSettings:
         loud: Residual over noise from which the gain of an explanation that cannot be named counts.
         loudest: Residual over noise beyond which something is missing whatever it looks like.
         swinging: Residual over noise from which lines or peaks over time that no null has count as something unknown.
-        material: What is left beyond the noise, in the Coulomb torque, below which nothing unknown is reported: it is
-            told as a remark. Joints with nothing missing under loops that chatter at an encoder's steps leave 0.003 to
-            0.005 of it, whatever their noise; what a user would look for is more.
+        material: What is left of recordings without noise, in the Coulomb torque, below which nothing unknown is
+            reported: it is told as a remark. Simulators leave up to 0.005; what a user would look for is more.
+        trifle: What goes from the plain held-out error of such recordings, in the Coulomb torque, from which an effect
+            is named.
+        phase: What is left beyond the noise, in that which an encoder's steps make, from which something unknown is
+            reported. Loops that chatter at the steps of an encoder make torque that hangs on their phase against the
+            sampling, which nobody knows: three joints with nothing missing left 0.53 to 0.59.
         tone: Strength of a line in the spectrum, over the strongest line of a null, from which it is a vibration.
         alone: Part of the energy beyond the noise that such a line must hold: what follows the motion has many lines.
         explained: Part of the held-out energy above the noise that must go where few blocks show an effect, or where
@@ -97,6 +101,8 @@ class GateSettings:
     loudest: float = 1.25
     swinging: float = 1.04
     material: float = 0.01
+    trifle: float = 0.005
+    phase: float = 0.65
     tone: float = 2.5
     alone: float = 0.2
     explained: float = 0.7

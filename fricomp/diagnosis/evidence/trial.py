@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ..effects import EFFECTS
-from ..joint.settings import JOINT
 from ..search.choice import choose, rank_acceptable
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
@@ -81,7 +80,7 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections | forms)
         objections |= against
-        if held.plain.explained < NEEDS.trace or is_trifling(held, tried):
+        if held.plain.explained < NEEDS.trace or is_trifling(held, baseline):
             return Trial(repetitions, failed=tried, objections=objections | forms, immaterial=True)
         unfit |= own.keys()
         tried = _find_rest(found, set(tried.names) - set(against))
@@ -105,8 +104,8 @@ def _list_objections(
     baseline: Baseline, found: SearchResult, tried: Explanation, held: Confirmation, repetitions: Repetitions
 ) -> dict[str, str]:
     """Say for each name what speaks against it besides its own numbers; nothing for those that lack nothing."""
-    if is_trifling(held, tried):
-        return dict.fromkeys(tried.names, f"it takes away less than {JOINT.finest:.1%} of the Coulomb torque")
+    if is_trifling(held, baseline):
+        return dict.fromkeys(tried.names, f"it takes away less than {GATES.trifle:.1%} of the Coulomb torque")
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
         return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")

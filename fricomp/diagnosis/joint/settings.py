@@ -111,7 +111,7 @@ class JointSettings:
     alike differ as much."""
     law_doubt: float = 0.5
     """Part of what another law changes in a row that counts as its uncertainty."""
-    finest: float = 0.005
+    finest: float = 0.002
     """Least noise of a row, in the Coulomb torque. In logs without noise, as simulators write them, a smaller one
     would be that of our own arithmetic and of what happens between two samples."""
     torque_window: float = 0.011
