@@ -17,6 +17,7 @@ it fits any source. What a file or a joint says about a channel or a fact replac
 the whole mapping says.
 """
 
+import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -199,6 +200,11 @@ def list_mappings() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
+_QUOTED = re.compile(r"\"[^\"]*\"|'[^']*'|#.*")
+_PLACEHOLDER = re.compile(r"=\s*([^\s,={}]*[A-Z]{4}[^\s,={}]*|[\d.]+/[\d.*/()]+)")
+"""A word in capitals, as a mapping that is proposed has them, or a quotient, which TOML does not work out."""
+
+
 def load_mapping(name_or_path: str | Path) -> Mapping:
     """Load a mapping by the name of one in the package, or from a TOML file.
 
@@ -208,9 +214,20 @@ def load_mapping(name_or_path: str | Path) -> Mapping:
     import tomllib
 
     try:
-        return _parse_mapping(parse_toml(_read_mapping(name_or_path)))
-    except (tomllib.TOMLDecodeError, msgspec.ValidationError, UnicodeDecodeError) as error:
+        return _parse_mapping(parse_toml(text := _read_mapping(name_or_path)))
+    except tomllib.TOMLDecodeError as error:
+        raise RecordingError(f"mapping {name_or_path}: {_find_placeholder(text) or error}") from error
+    except (msgspec.ValidationError, UnicodeDecodeError) as error:
         raise RecordingError(f"mapping {name_or_path}: {error}") from error
+
+
+def _find_placeholder(text: str) -> str:
+    """What to do with the first value that is still to be said or worked out; empty where all are values."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        found = _PLACEHOLDER.search(_QUOTED.sub('""', line))
+        if found:
+            return f"line {number}: write what {found.group(1)} stands for in its place, a number or a column's name"
+    return ""
 
 
 def set_row_rate(mapping: Mapping, row_rate: float) -> Mapping:

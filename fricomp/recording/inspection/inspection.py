@@ -12,7 +12,8 @@ from fricomp.recording.file import is_own, read_content
 from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import TORQUES
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
-from fricomp.recording.named.log import NamedLog, are_counts, separate_joints
+from fricomp.recording.named.device_unit import are_counts
+from fricomp.recording.named.log import NamedLog, separate_joints
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import (
     has_rows,

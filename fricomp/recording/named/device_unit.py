@@ -16,6 +16,8 @@ from .head_fact import find_counts_beside, say_head_facts
 
 _FAR = 8.0 * np.pi
 """Way of an axis without a unit [rad], above which it is as likely in degrees or mm: four turns of a joint."""
+_FEWEST_COUNTS = 10
+"""Different whole numbers from which on no chance makes all of them so."""
 _RATED = ("torque", "torque_command", "current", "load_torque")
 _DUTY = re.compile(r"(?<![a-z])(?:duty|pwm)(?![a-z])", re.IGNORECASE)
 _PER_CENT = re.compile(r"[%]|(?<![a-z])(?:percent|pct)(?![a-z])", re.IGNORECASE)
@@ -162,3 +164,16 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
         f"{channel} = {{ column = {column!r}, scale = VALUE_OF_ONE }}, and the other columns beside it "
         "('fricomp convert LOG --inspect' shows them)"
     )
+
+
+def are_counts(name: str, values: Samples) -> bool:
+    """Whether a column holds many different numbers, all of them whole, and its name states no unit.
+
+    Args:
+        name: Of the column.
+        values: Shape (n_rows,).
+    """
+    if find_unit_words(name, -1):
+        return False
+    finite = values[np.isfinite(values)]
+    return bool(np.all(finite == np.round(finite))) and np.unique(finite).size >= _FEWEST_COUNTS

@@ -1,7 +1,5 @@
 """From the named columns of a log to a recording of each joint in it."""
 
-import re
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,15 +12,15 @@ from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.recording import Recording
 from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import spread_held, with_row_rate
-from fricomp.recording.unit import find_unit, shows_radians
-from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
+from fricomp.recording.unit import find_unit
+from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins, mend_stamps
 
 from .choice import INTEGRAL, TORQUES, choose_columns
 from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .current_size import say_current_size
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
-from .device_unit import explain_unit, find_rating_parts, refuse_axis
+from .device_unit import are_counts, explain_unit, find_rating_parts, refuse_axis
 from .episodes import join_episodes
 from .gear import GEARED, bring_to_joint, find_gear, say_gear
 from .head_fact import say_head_facts
@@ -33,19 +31,11 @@ from .source import read_named_columns
 from .sparse import join_sparse
 from .times.clock import find_stamps, read_times
 from .torque_constant import say_torque_constant
-from .unstated import refuse_unstated, settle_units
+from .unstated import refuse_unstated, say_missing_unit, settle_units
 from .vendor import find_drive_of_turns
 
 _SURE = 3
 """Certainty of a column that the user chose, or whose vendor's unit is known."""
-_RADIANS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
-"""Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians."""
-_TURN = 2.0 * np.pi
-_TWO_TURNS = 2.0 * _TURN
-"""Travel above which few joints of an arm are [rad]."""
-_ALL_BUT_OUTLIERS = (2, 98)
-_FEWEST_COUNTS = 10
-"""Different whole numbers from which on no chance makes all of them so."""
 _REFERENCES = ("position_reference", "velocity_reference", "torque_command")
 
 
@@ -140,7 +130,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += say_current_size(path, recordings[0], sources[first.joint])
     notes.append(_say_columns(path, recordings, sources))
     notes += say_left_out(path, columns, sources)
-    unsaid = [_say_missing_unit(path, one, sources[one.metadata.joint], len(recordings)) for one in recordings]
+    unsaid = [say_missing_unit(path, one, sources[one.metadata.joint], len(recordings)) for one in recordings]
     notes += unsaid[0]
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
 
@@ -244,19 +234,6 @@ def _to_si(
     return table
 
 
-def are_counts(name: str, values: Samples) -> bool:
-    """Whether a column holds many different numbers, all of them whole, and its name states no unit.
-
-    Args:
-        name: Of the column.
-        values: Shape (n_rows,).
-    """
-    if find_unit_words(name, -1):
-        return False
-    finite = values[np.isfinite(values)]
-    return bool(np.all(finite == np.round(finite))) and np.unique(finite).size >= _FEWEST_COUNTS
-
-
 def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
     """Channels that are needed, and the others where they have a number in nearly every row with a position.
 
@@ -299,37 +276,6 @@ def _ask_turns(
                 f"\"turns/s\" ('fricomp convert LOG --inspect --out log.toml' begins one), or --channel "
                 f"position={column} where it is in rad"
             )
-
-
-def _say_missing_unit(
-    path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]], joints: int
-) -> list[str]:
-    """What was taken for the unit of a position, where nothing in the log tells it, and what another would do.
-
-    A column that is called as the channel is of a recording of our own, in radians.
-
-    Raises:
-        RecordingError: In rad it would cover more turns than most joints do.
-    """
-    column, meaning = own["position"]
-    stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
-    ours = column == INTEGRAL or (column == "position" and own["torque"][0] == "torque")
-    told = stated or meaning.unit or meaning.certainty >= _SURE or ours or _RADIANS.search(own["torque"][0])
-    counted = are_counts(column, recording.position)  # which the checks ask about
-    if told or counted or recording.metadata.motion != "rotary" or shows_radians(recording.position):
-        return []
-    travel = float(np.ptp(np.percentile(recording.position, _ALL_BUT_OUTLIERS)))
-    if travel > _TWO_TURNS:
-        asked = shlex.quote(f"position={column.replace(meaning.joint, '{joint}') if joints > 1 else column}")
-        raise RecordingError(
-            f"{path}: nothing tells the unit of {column!r}, which covers {travel:.4g}, in rad {travel / _TURN:.1f} "
-            f'turns: say position = {{ column = {column!r}, unit = "deg" }} or unit = "turns" in a mapping '
-            f"('fricomp convert LOG --inspect --out log.toml' begins one), or --channel {asked} where it is in rad"
-        )
-    return [
-        f"{path.name}: nothing tells the unit of {column!r}: it was taken as rad. If it is in turns, friction by speed "
-        "and inertia come out 6.28 times too large; if in degrees, 57.3 times too small."
-    ]
 
 
 def _say_columns(

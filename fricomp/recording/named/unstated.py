@@ -11,10 +11,12 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.unit_checks import compare_rate
 from fricomp.recording.recording import Recording
-from fricomp.recording.unit import UNITS
+from fricomp.recording.unit import UNITS, shows_radians
 from fricomp.recording.unit_word import UnitWord, find_unit_words, kind_of_unit, unit_for
 
+from .choice import INTEGRAL
 from .column import ColumnMeaning
+from .device_unit import are_counts
 from .head_fact import read_head_lines
 from .times.stamp_unit import read_time_unit
 
@@ -31,6 +33,12 @@ _RARE = ("mrad/s", "mdeg/s", "krpm", "in/s")
 """Units of a velocity that none is in without saying so."""
 _COUNTED, _POWERS = ("ms", "us", "ns"), (-2, -1, 1, 2)
 """Units of time that were guessed by steps, and the powers of ten by which these miss: counters of 0.1 ms, of 10 us."""
+_RADIANS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
+"""Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians."""
+_TURN = 2.0 * np.pi
+_TWO_TURNS = 2.0 * _TURN
+"""Travel above which few joints of an arm are [rad]."""
+_ALL_BUT_OUTLIERS = (2, 98)
 _PARTS = re.compile(r"[,;:]\s|\band\b|\bund\b")
 """Where a line goes on to another quantity: `angles in degrees, torques in mNm`."""
 _BESIDE_NUMBER = re.compile(r"\d\s*[\[(]?$")
@@ -150,3 +158,42 @@ def _find_unit_by_rate(
     else:
         return None
     return next((unit for unit, one in worth.items() if one != 1.0 and abs(factor / one - 1.0) < _SAME_UNIT), None)
+
+
+def say_missing_unit(
+    path: Path, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]], joints: int
+) -> list[str]:
+    """What was taken for the unit of a position, where nothing in the log tells it, and what another would do.
+
+    A column that is called as the channel is of a recording of our own, in radians.
+
+    Raises:
+        RecordingError: In rad it would cover more turns than most joints do.
+    """
+    column, meaning = own["position"]
+    stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
+    ours = column == INTEGRAL or (column == "position" and own["torque"][0] == "torque")
+    told = stated or meaning.unit or meaning.certainty >= _SURE or ours or _RADIANS.search(own["torque"][0])
+    counted = are_counts(column, recording.position)  # which the checks ask about
+    if told or counted or recording.metadata.motion != "rotary" or shows_radians(recording.position):
+        return []
+    travel = float(np.ptp(np.percentile(recording.position, _ALL_BUT_OUTLIERS)))
+    if travel > _TWO_TURNS:
+        asked = shlex.quote(f"position={column.replace(meaning.joint, '{joint}') if joints > 1 else column}")
+        raise RecordingError(
+            f"{path}: nothing tells the unit of {column!r}, which covers {travel:.4g}, in rad {travel / _TURN:.1f} "
+            f'turns: say position = {{ column = {column!r}, unit = "deg" }} or unit = "turns" in a mapping'
+            f"{_beside(own)} ('fricomp convert LOG --inspect --out log.toml' begins one), or --channel {asked} "
+            "where it is in rad"
+        )
+    return [
+        f"{path.name}: nothing tells the unit of {column!r}: it was taken as rad. If it is in turns, friction by speed "
+        "and inertia come out 6.28 times too large; if in degrees, 57.3 times too small."
+    ]
+
+
+def _beside(own: Mapping[str, tuple[str, ColumnMeaning]]) -> str:
+    """That the velocity is to be told as well, where its unit is not."""
+    column, meaning = own.get("velocity", ("", None))
+    is_silent = meaning is not None and not meaning.unit and not find_unit_words(column, -1)
+    return f', with velocity = {{ column = {column!r}, unit = "deg/s" }} where it goes with it,' if is_silent else ""

@@ -23,8 +23,10 @@ _COPY = re.compile(r"^COPY\s+([^\s(]+)\s*\(([^()]*)\)\s+FROM\s+stdin;[^\n]*\n(.*
 _OF_TABLE = ("primary", "unique", "key", "constraint", "foreign", "index", "check")
 """First words of what a table is told beside its columns."""
 _BEGINS = re.compile(r"^\s*(?:INSERT\s.*INTO|COPY\s|CREATE\s+TABLE)\b", re.IGNORECASE)
-_TAG, _TABLE_ROW = re.compile(r"<[^<>]*>"), re.compile(r"<tr\b[^<>]*>", re.IGNORECASE)
-_TABLE_CELL = re.compile(r"<t[dh]\b[^<>]*>(.*?)(?=</t[dh]|<t[dh]\b|</tr|$)", re.IGNORECASE | re.S)
+_TAG, _TABLE_ROW = re.compile(r"<[^<>]*>"), re.compile(r"<(?:tr|row|table:table-row)\b[^<>]*>", re.IGNORECASE)
+_CELL = r"(?:t[dh]|cell|table:table-cell)\b"
+_TABLE_CELL = re.compile(rf"<{_CELL}[^<>]*(?:/>|>(.*?)(?=</?{_CELL}|</?tr\b|</row|$))", re.IGNORECASE | re.S)
+"""Rows and cells of a page, and of a spreadsheet that is kept as XML."""
 _MARKS = "`\"[] '"
 """What may stand about a name."""
 
@@ -43,8 +45,8 @@ def tabulate_dump(lines: Sequence[str]) -> list[str] | None:
 
 
 def _begins_page(lines: Sequence[str]) -> bool:
-    """Whether a text is a page, whose table may stand behind what it looks like."""
-    return any(line.lstrip().lower().startswith(("<!doctype html", "<html")) for line in lines[:3])
+    """Whether a text is a page or XML, whose table may stand behind what it looks like."""
+    return any(line.lstrip().lower().startswith(("<!doctype html", "<html", "<?xml")) for line in lines[:3])
 
 
 def _write(table: Sequence[Sequence[str]]) -> list[str] | None:
@@ -83,6 +85,6 @@ def _read_page(text: str) -> list[list[str]]:
             [html.unescape(_TAG.sub("", cell)).strip() for cell in _TABLE_CELL.findall(row)]
             for row in _TABLE_ROW.split(table)[1:]
         ]
-        for table in re.split(r"</table\b", text, flags=re.IGNORECASE)
+        for table in re.split(r"</table\s*>", text, flags=re.IGNORECASE)
     ]
     return [row for row in max(tables, key=len, default=[]) if row]

@@ -12,9 +12,10 @@ from .cell import parse_number
 from .text_layout import FIRST_LINES
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_DATE = r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?(?:Z|[+-]\d\d:?\d\d)?"
 _LETTER = "A-Za-zµ°%·/²^*"
 _LABELLED = re.compile(
-    rf"""["']?(?<!\w)([A-Za-z_][\w./]{{0,80}}(?:\s?[\[(][^\])]{{0,40}}[\])])?)["']?\s*[:=]\s*({_NUMBER}|nan)"""
+    rf"""["']?(?<!\w)([A-Za-z_][\w./]{{0,80}}(?:\s?[\[(][^\])]{{0,40}}[\])])?)["']?\s*[:=]\s*(?:["'](?={_DATE}["']))?({_DATE}|{_NUMBER}|nan)(?:(?<=[\dZ])["'])?"""
     rf"""(?:i\b)?(?:\s?((?!x[\da-f])[{_LETTER}]+2?)(?!["'\w.]*\s*[:=]))?(?![\w.:])""",
     re.IGNORECASE,
 )

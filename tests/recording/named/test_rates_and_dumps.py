@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fricomp.errors import RecordingError
+from fricomp.recording import load_mapping
 from fricomp.recording.file import read_content
 
 from .proposed_mapping import convert_by_proposal
@@ -156,3 +157,38 @@ def test_stamps_out_of_order_are_no_counter_that_is_full(tmp_path: Path) -> None
     assert not any("as a counter that is full" in one.message for one in alone.findings)
     assert alone.recording.position == pytest.approx(POSITION, abs=1e-6)
     assert np.std(np.asarray(alone.recording.time) - TIME) < 8e-3
+
+
+def write_spreadsheet_as_xml(folder: Path) -> Path:
+    cells = "</Data></Cell><Cell><Data>"
+    rows = "".join(f"<Row><Cell><Data>{cells.join(map(repr, row))}</Data></Cell></Row>\n" for row in ROWS.tolist())
+    head = f"<Row><Cell><Data>{cells.join(('time', 'pos', 'vel', 'torque'))}</Data></Cell></Row>\n"
+    return write_text(folder, "i.xml", f"<?xml version='1.0'?>\n<Workbook><Table>\n{head}{rows}</Table></Workbook>\n")
+
+
+def write_open_document(folder: Path) -> Path:
+    cells = "</text:p></table:table-cell><table:table-cell><text:p>"
+    each = "<table:table-row><table:table-cell><text:p>{}</text:p></table:table-cell></table:table-row>"
+    rows = [each.format(cells.join(map(str, row))) for row in (("t", "q", "qd", "tau"), *ROWS.tolist())]
+    body = f"<office:body><table:table>{''.join(rows)}</table:table></office:body>"
+    return write_text(folder, "j.fods", f"<?xml version='1.0'?>\n<office:document>{body}</office:document>\n")
+
+
+def write_labels_with_dates(folder: Path) -> Path:
+    rows = (f'time="2026-03-14T09:30:{t:09.6f}Z" level=info q_rad={q:.7f} tau_nm={u:.7f}\n' for t, q, _, u in ROWS)
+    return write_text(folder, "k.log", "".join(rows))
+
+
+@pytest.mark.parametrize("form", [write_spreadsheet_as_xml, write_open_document, write_labels_with_dates])
+def test_rows_of_xml_and_labels_with_dates_are_read(form: Callable[[Path], Path], tmp_path: Path) -> None:
+    recording = read_content(form(tmp_path)).recording
+    assert recording.time - recording.time[0] == pytest.approx(TIME - TIME[0], abs=1e-4)
+    assert recording.position == pytest.approx(POSITION, abs=2e-6)
+    assert recording.torque == pytest.approx(TORQUE, abs=2e-6)
+
+
+@pytest.mark.parametrize("value", ["ROWS_A_SECOND", "WHICH", "1/TICKS_A_SECOND", "6.2832/16384"])
+def test_a_mapping_with_something_left_to_say_is_told_so(value: str, tmp_path: Path) -> None:
+    text = f'[channels]\ntime = {{ column = "t" }}  # ABOVE\nposition = {{ column = "Q", scale = {value} }}\n'
+    with pytest.raises(RecordingError, match=f"line 3: write what {value} stands for"):
+        load_mapping(write_text(tmp_path, "log.toml", text))
