@@ -9,7 +9,12 @@ from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples
 
 _SLOW = 0.1
-"""Part of the top speed below which the direction of friction is not sure."""
+"""Part of the top speed below which the direction of friction is not sure: rows there say nothing, where others do."""
+_FEWEST = 60
+"""Rows that are compared at least."""
+_CLEARER = 0.5
+"""What sliding rows leave, over what all leave, below which they alone are compared: a held shaft gives its torque at
+rest, where friction does not hide it."""
 _ALIKE = 5.0
 """Rows that err alike: their variance counts so often."""
 _ALIKE_ROWS = 3
@@ -98,24 +103,37 @@ def find_torque_gain(recording: Recording) -> tuple[Finding, ...]:
 
 
 def fit_two_torques(recording: Recording) -> TwoTorques | None:
-    """Compare the motor's torque with that of a sensor; None where there is none, or both are hardly related."""
-    if recording.load_torque is None or len(recording) < 60 * _ALIKE_ROWS:
+    """Compare the motor's torque with that of a sensor; None where there is none, or both are hardly related.
+
+    Where rows that slide agree far better they alone are compared: in the others friction is anything between its two
+    directions, and a joint that is held against gravity most of the time had a motor that loses a third of its torque.
+    """
+    if recording.load_torque is None or len(recording) < _FEWEST * _ALIKE_ROWS:
         return None
     count = len(recording) // _ALIKE_ROWS * _ALIKE_ROWS
     time, position, torque, load = (
         np.asarray(values)[:count].reshape(-1, _ALIKE_ROWS).mean(axis=1)
         for values in (recording.time, recording.position, recording.torque, recording.load_torque)
     )
-    velocity = np.gradient(position, time)
-    slow = float(np.percentile(np.abs(velocity), 98)) * _SLOW
-    slow = max(slow, 1e-300)
-    friction = [np.tanh(velocity / slow), np.tanh(_STEEPER * velocity / slow), velocity, velocity * np.abs(velocity)]
-    beside = [np.gradient(velocity, time), *friction, np.ones(time.size)]
-    size = float(np.std(load))
-    if float(np.std(torque)) == 0.0 or size == 0.0 or abs(np.corrcoef(torque, load)[0, 1]) < _RELATED:
+    if np.std(torque) == 0.0 or np.std(load) == 0.0 or abs(np.corrcoef(torque, load)[0, 1]) < _RELATED:
         return None
-    gain, gain_deviation, straight = _solve_first(np.column_stack([torque, *beside]), load, 1)
-    solved, deviations, left = _solve_first(np.column_stack([torque, torque**3, *beside]), load, 2)
+    velocity = np.gradient(position, time)
+    slow = max(float(np.percentile(np.abs(velocity), 98)) * _SLOW, 1e-300)
+    friction = [np.tanh(velocity / slow), np.tanh(_STEEPER * velocity / slow), velocity, velocity * np.abs(velocity)]
+    beside = np.column_stack([np.gradient(velocity, time), *friction, np.ones(time.size)])
+    slides = np.abs(velocity) > slow
+    every = _compare(torque, load, beside)
+    if np.count_nonzero(slides) < _FEWEST:
+        return every
+    sliding = _compare(torque[slides], load[slides], beside[slides])
+    return sliding if sliding.unexplained < _CLEARER * every.unexplained else every
+
+
+def _compare(torque: Samples, load: Samples, beside: Samples) -> TwoTorques:
+    """The load torque as a multiple of the motor's, straight and bent, beside other terms, shape (n, k)."""
+    size = max(float(np.std(load)), 1e-300)
+    gain, gain_deviation, straight = _solve_first(np.column_stack([torque, beside]), load, 1)
+    solved, deviations, left = _solve_first(np.column_stack([torque, torque**3, beside]), load, 2)
     largest = float(np.quantile(np.abs(torque), 0.99))
     return TwoTorques(
         float(gain[0]), float(gain_deviation[0]), float(solved[0]), float(deviations[0]), float(solved[1]),

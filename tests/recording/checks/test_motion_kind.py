@@ -83,6 +83,27 @@ def test_a_torque_sensor_tells_gain_and_saturation_of_the_motor(gain: float, ben
     assert "torque_gain" not in {one.code for one in check_recording(log.with_channels(load_torque=log.torque + noise))}
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_friction_at_rest_is_no_saturation_of_the_motor(seed: int) -> None:
+    """A joint that its friction holds at all heights most of the time, so that the sensor reads gravity alone."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 40.0, 2e-3)
+    spans = np.cumsum(rng.uniform(0.4, 1.6, 60))
+    stops = rng.uniform(-1.2, 1.2, 60)
+    part = np.minimum(np.searchsorted(spans, t), 58)
+    since = np.clip((t - np.concatenate([[0.0], spans])[part]) / 0.3, 0.0, 1.0)
+    q = stops[part] + (stops[part + 1] - stops[part]) * since**2 * (3.0 - 2.0 * since)
+    v = np.gradient(q, t)
+    load = 8.0 * np.sin(q) + 0.05 * np.gradient(v, t)
+    held = np.convolve(rng.uniform(-0.9, 0.9, 60)[part], np.ones(25) / 25.0, "same") - 0.1 * load
+    friction = np.where(np.abs(v) > 1e-3, np.sign(v) + 0.2 * v, held)
+    noise = rng.normal(0.0, 0.01, (2, t.size))
+    fit = fit_two_torques(Recording(t, q, load + friction + noise[0], load_torque=load + noise[1]))
+    assert fit is not None
+    assert not fit.saturates
+    assert fit.gain == pytest.approx(1.0, abs=0.02)
+
+
 def test_a_joint_that_is_moved_by_hand_shows_no_friction() -> None:
     rng = np.random.default_rng(3)
     t = np.arange(0.0, 30.0, 2e-3)
