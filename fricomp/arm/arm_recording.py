@@ -63,6 +63,7 @@ class ArmRecording:
         turned: Joints whose torques were recorded the other way round; here they are turned.
         degrees: Whether positions were degrees that had been taken for rad; here they are rad.
         guided: Times [s] in which something else than the drives moved or held the arm, which are in no part.
+        unwrapped: Joints whose positions wrapped round at a turn; here they go on.
         placed: Whether positions and velocities said when rows were sampled, since stamps did not.
     """
 
@@ -77,6 +78,7 @@ class ArmRecording:
     turned: tuple[str, ...] = ()
     degrees: bool = False
     guided: tuple[tuple[float, float], ...] = ()
+    unwrapped: tuple[str, ...] = ()
     placed: bool = False
 
     @property

@@ -86,6 +86,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         one_way=found.recording.one_way,
         turned_torques=found.recording.turned,
         degrees=found.recording.degrees,
+        unwrapped=found.recording.unwrapped,
         better_frames=() if arm.remounted else find_better_frames(arm, found.recording),
         frames_instead=found.recording.frames_instead,
         torque_scales=find_torque_scales(arm, found.recording, found.fit.inertia),

@@ -19,6 +19,7 @@ from .identification import ArmIdentification, Progress, identify_arm, identify_
 from .left_out.guided import find_guided, leave_out_spans
 from .left_out.still import find_still
 from .log.drive_gain import take_torques
+from .log.turns import unwrap_turns
 from .prior import ArmPrior
 from .record import ArmRecord
 from .rigid.naming import find_strangers
@@ -138,18 +139,19 @@ def match_recordings(
         recorded, torques = [recorded[i] for i in arm.order], [torques[i] for i in arm.order]
         arm = read_arm(simulation, recorded, names)
     matched = [_name_as_simulated(*one) for one in zip(torques, arm.joints, arm.rotary, strict=True)]
+    matched, unwrapped = unwrap_turns(matched, arm.rotary)
     degrees = are_degrees(arm, matched)
     matched = take_radians(arm, matched) if degrees else matched
     still = find_still(matched)
     if not still:
         arm, joined = _join_rightly(arm, matched)
-        return arm, replace(joined, degrees=degrees)
+        return arm, replace(joined, degrees=degrees, unwrapped=unwrapped)
     moving = [one for one in matched if one.metadata.joint not in still]
     if not moving:
         raise RecordingError(f"none of {', '.join(still)} moves further than it sways: move the arm")
     held = read_arm(simulation, [one.metadata.joint for one in moving], still=still)
     held, joined = _join_rightly(held, moving)
-    return held, replace(joined, still=tuple(still), degrees=degrees)
+    return held, replace(joined, still=tuple(still), degrees=degrees, unwrapped=unwrapped)
 
 
 def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> tuple[SimulatedArm, ArmRecording]:

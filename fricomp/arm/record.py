@@ -214,6 +214,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         unknown_joints: Joints that were recorded and moved, and that the simulation does not have: they were left out.
         turned_torques: Joints whose torques were recorded with the opposite sign, and were turned round.
         degrees: Whether positions were degrees, though nothing in the log said so.
+        unwrapped: Joints whose positions wrapped round at a turn, and were taken to go on there.
         better_frames: Joints whose zero or direction seems to be another one than in the simulation.
         frames_instead: Zeros and directions of joints that would explain as much as another `gravity`.
         torque_scales: Factor on what the links of a joint ask for, by its name, where its torque seems to have another
@@ -243,6 +244,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     one_way: tuple[str, ...] = ()
     turned_torques: tuple[str, ...] = ()
     degrees: bool = False
+    unwrapped: tuple[str, ...] = ()
     better_frames: tuple[JointFrame, ...] = ()
     frames_instead: tuple[JointFrame, ...] = ()
     torque_scales: dict[str, float] = {}

@@ -14,10 +14,15 @@ def say_corrections(record: ArmRecord) -> tuple[str, ...]:
     degrees = "Positions were taken to be in degrees: only then does the simulation explain the torques."
     return (
         *((degrees,) if record.degrees else ()),
+        *_say_unwrapped(record.unwrapped),
         *say_gravity(record.gravity, record.frames_instead),
         *say_turned(record.turned_torques),
         *say_guided(record.guided),
     )
+
+
+def _say_unwrapped(joints: Sequence[str]) -> tuple[str, ...]:
+    return (f"Positions of {', '.join(joints)} wrap round at a turn, and were unwrapped.",) if joints else ()
 
 
 def say_guided(spans: Sequence[tuple[float, float]]) -> tuple[str, ...]:
