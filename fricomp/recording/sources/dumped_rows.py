@@ -10,15 +10,15 @@ from .text_layout import FIRST_LINES
 
 _INSERT = re.compile(
     r"""\bINSERT\s+(?:OR\s+\w+\s+|IGNORE\s+)?INTO\s+([^\s(]+)\s*(?:\(([^()]*)\)\s*)?VALUES\s*"""
-    r"""((?:\((?:'(?:[^']|'')*'|[^()'])*\)\s*,?\s*)+)""",
+    r"""((?:\((?:'[^']*'|[^()'])*+\)\s*+(?:,\s*+)?)++)""",
     re.IGNORECASE,
 )
 """Rows that go into a table: its name, the names of its columns where they are said, and the rows."""
-_ROW = re.compile(r"\(((?:'(?:[^']|'')*'|[^()'])*)\)")
+_ROW = re.compile(r"\(((?:'[^']*'|[^()'])*+)\)")
 _CREATE = re.compile(
-    r"\bCREATE\s+TABLE\s+(?:IF\s+NOT\s+EXISTS\s+)?([^\s(]+)\s*\(((?:[^();]|\([^()]*\))*)\)", re.IGNORECASE
+    r"\bCREATE\s+TABLE\s+(?:IF\s+NOT\s+EXISTS\s+)?([^\s(]+)\s*\(((?:[^();]|\([^()]*\))*+)\)", re.IGNORECASE
 )
-_COPY = re.compile(r"^COPY\s+([^\s(]+)\s*\(([^()]*)\)\s+FROM\s+stdin;[^\n]*\n(.*?)^\\\.$", re.IGNORECASE | re.M | re.S)
+_COPY = re.compile(r"^COPY\s+([^\s(]+)\s*\(([^()]*)\)\s+FROM\s+stdin;[^\n]*\n((?:(?!\\\.).*\n)*+)", re.IGNORECASE | re.M)
 """Rows between tabs, as PostgreSQL dumps them."""
 _OF_TABLE = ("primary", "unique", "key", "constraint", "foreign", "index", "check")
 """First words of what a table is told beside its columns."""
