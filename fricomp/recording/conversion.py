@@ -107,15 +107,26 @@ def _read_wanted(path: Path, source: Source, keys: Collection[Column], *, skip_b
     Entries of lists beside their names, and rows of several signals or joints, are columns there: `elbow.position`;
     signals at several rates are placed there at common times.
     """
-    columns = read_columns(path, source, keys, skip_bad_rows=skip_bad_rows)
+    try:
+        columns = read_columns(path, source, keys, skip_bad_rows=skip_bad_rows)
+    except RecordingError:
+        named = _read_named(path, keys)
+        if not named:
+            raise
+        return named
     found = {key: key if key in columns else str(key).partition(" [")[0] for key in keys}
     if all(key in columns for key in found.values()) and len({columns[key].size for key in found.values()}) < 2:
         return columns
+    return _read_named(path, keys) or columns
+
+
+def _read_named(path: Path, keys: Collection[Column]) -> Columns:
+    """The columns as the inspection calls them, where these are the ones that are wanted; else none."""
     with suppress(FricompError):  # whose message would be of what nobody has asked for
         named = read_named_columns(path)
         if all(key in named for key in keys):
             return dict(named.items())
-    return columns
+    return {}
 
 
 def _convert_folder(folder: Path, mapping: Mapping) -> tuple[NamedRecording, ...]:

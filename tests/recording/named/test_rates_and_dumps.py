@@ -142,6 +142,11 @@ def test_it_is_read_as_it_was_measured(form: Callable[[Path], Path], tmp_path: P
     assert recording.torque == pytest.approx(TORQUE, abs=2e-6)
 
 
+@pytest.mark.parametrize("form", [write_points, write_insertions, write_copy, write_page, write_labels_of_a_scope])
+def test_the_mapping_that_is_proposed_for_it_reads_the_same(form: Callable[[Path], Path], tmp_path: Path) -> None:
+    assert convert_by_proposal(form(tmp_path), tmp_path).torque == pytest.approx(TORQUE, abs=2e-6)
+
+
 def test_a_folder_with_a_table_for_each_quantity_is_one_log(tmp_path: Path) -> None:
     for name, values in (("position", POSITION), ("torque", TORQUE)):
         write(tmp_path, "time,value", [TIME, values]).rename(tmp_path / f"{name}.csv")
