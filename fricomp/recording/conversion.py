@@ -110,7 +110,7 @@ def _read_wanted(path: Path, source: Source, keys: Collection[Column], *, skip_b
     try:
         columns = read_columns(path, source, keys, skip_bad_rows=skip_bad_rows)
     except RecordingError:
-        named = _read_named(path, keys)
+        named = {} if source.topic else _read_named(path, keys)
         if not named:
             raise
         return named

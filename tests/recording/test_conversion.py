@@ -336,9 +336,12 @@ def test_a_number_is_a_place_and_a_text_a_name(tmp_path: Path) -> None:
     assert (recording.position.tolist(), recording.torque.tolist()) == ([10.0, 20.0], [12.0, 22.0])
 
 
-def test_names_without_a_header_line_are_refused_with_what_to_set(tmp_path: Path) -> None:
+def test_names_without_a_header_line_are_found_or_refused_with_what_to_set(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     _write_text(path, ",", "t, q, tau")
+    (found,) = convert(path, _mapping(_NAMED))
+    assert found.recording.position == pytest.approx(POSITION)
+    _write_text(path, ",", "t, q, other")
     with pytest.raises(RecordingError, match=r"no column is called .*: set header = true"):
         convert(path, _mapping(_NAMED))
 
