@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..joint.base import BASE_NAMES, unpack
-from ..joint.settings import JOINT
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
@@ -111,4 +110,4 @@ def matters(baseline: Baseline) -> bool:
     if baseline.nulls.quiet:
         return share > GATES.material
     spread = float(np.median(np.concatenate(baseline.nulls.weights.spread)))
-    return share > JOINT.finest and left > GATES.phase * float(np.sqrt(1.0 - baseline.nulls.of_torque)) * spread
+    return share > GATES.least and left > GATES.phase * float(np.sqrt(1.0 - baseline.nulls.of_torque)) * spread

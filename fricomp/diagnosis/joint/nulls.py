@@ -32,7 +32,7 @@ class Nulls:
         rows: For each recording, shape (n_nulls, n_rows) [N·m].
         weights: Their mean, spread and correlation.
         of_torque: Part of their variation that comes from noise of the torque; the rest is of the position.
-        quiet: Whether the recordings have less noise than the finest that counts, as simulators write them.
+        quiet: Whether the recordings have hardly any noise, as simulators write them.
     """
 
     rows: tuple[FloatArray, ...]
@@ -76,9 +76,9 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
     noises, parts = zip(*[_match_noise(chain, index, rows, seed) for index, rows in enumerate(data)], strict=True)
     rows = [chain.simulate_rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
-    finest = JOINT.finest * plant.level
-    quiet = bool(np.median(np.concatenate([np.std(one, axis=0) for one in rows])) < finest)
-    rows = _blur(rows, finest, seed)
+    quietest = np.quantile(np.concatenate([np.std(one, axis=0) for one in rows]), JOINT.quiet_rows)
+    quiet = bool(quietest < JOINT.quiet * plant.level)
+    rows = _blur(rows, JOINT.finest * plant.level, seed) if quiet else rows
     weights = _build_weights(rows, _compute_presliding(problem, plant, effects))
     return Nulls(tuple(rows), weights, float(np.mean(parts)), quiet)
 
