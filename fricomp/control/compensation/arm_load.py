@@ -47,6 +47,8 @@ class ArmLoad:
 
     Attributes:
         joints: Names of the joints, in the order of all sequences.
+        rotors: Inertia of each rotor behind its gear, seen from the joint [kg·m²] or [kg]: what accelerates it is no
+            load of the gear, and part of what the motor has to give.
 
     Args:
         simulation: MJCF or URDF of the arm, such as the `arm.xml` that `fricomp diagnose` writes of one.
@@ -75,6 +77,7 @@ class ArmLoad:
         ids = [model.joint(name).id for name in self.joints]
         places, dofs = ([int(table[i]) for i in ids] for table in (model.jnt_qposadr, model.jnt_dofadr))
         self._places, self._dofs = np.array(places), np.array(dofs)
+        self.rotors = tuple(model.dof_armature[dofs].tolist())
         self._followers = _find_followers(mujoco, model, ids)
         self._is_row = all(np.all(np.diff(each) == 1) for each in (places, dofs)) and not self._followers
         self._pack = Struct(f"{len(ids)}d")

@@ -136,12 +136,13 @@ class ArmCompensator:
 
     arm = ArmCompensator.read("runs/arm", period=1e-3)
     arm.torque_into(out, velocity_reference, velocity, position_error, None, position, acceleration)
-    command = [friction + load for friction, load in zip(out, arm.load)]
+    command = [friction + rest for friction, rest in zip(out, arm.feed_forward)]
 
     Attributes:
         joints: One compensator a joint.
-        load: Torque that each joint transmitted in the last call [N·m] or [N], for a feed-forward of gravity and
-            inertia; empty without `dynamics`.
+        load: Torque that each joint transmitted in the last call [N·m] or [N]; empty without `dynamics`.
+        feed_forward: The same with what accelerates the rotors, which lie before the gears: all of gravity and inertia
+            that a motor has to give [N·m] or [N].
 
     Args:
         joints: One compensator a joint, in the order of the command.
@@ -170,6 +171,7 @@ class ArmCompensator:
             )
         self.joints = tuple(joints)
         self.load: Sequence[float] = ()
+        self.feed_forward: Sequence[float] = ()
         self._torques: list[Callable[..., float]] = [joint.torque for joint in joints]
         self._indices, self._unknown = range(len(joints)), [None] * len(joints)
         self._dynamics = dynamics
@@ -250,6 +252,7 @@ class ArmCompensator:
         a = [0.0] * len(torques) if acceleration is None else acceleration
         hot = self._unknown if temperature is None else temperature
         self.load = load = self._dynamics.compute(q, velocity_reference, a)
+        self.feed_forward = [one + rotor * b for one, rotor, b in zip(load, self._dynamics.rotors, a, strict=True)]
         if len(hot) != len(torques):
             raise ParameterError(f"{len(hot)} temperatures given for {len(torques)} joints")
         normal = self._takes_normal

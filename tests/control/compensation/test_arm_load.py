@@ -78,6 +78,9 @@ def test_friction_follows_the_load_of_the_arms_own_dynamics(tmp_path: Path) -> N
     arm.torque_into(out, [1.0, -1.0], None, None, None, [0.3, -0.4], [2.0, -3.0])
     load = invert(path, {"b": (0.3, 1.0, 2.0), "a": (-0.4, -1.0, -3.0)})
     assert arm.load == pytest.approx([load["b"], load["a"]])
+    rotors = [mujoco.MjModel.from_xml_path(str(path)).joint(name).armature[0] for name in ("b", "a")]
+    assert min(rotors) > 0.0
+    assert arm.feed_forward == pytest.approx([load["b"] + 2.0 * rotors[0], load["a"] - 3.0 * rotors[1]])
     assert out == pytest.approx([1.0 + 0.2 * abs(load["b"]), -1.0 - 0.1 * abs(load["a"])], rel=1e-6)
 
 
