@@ -41,8 +41,6 @@ for speed in (0.0, 0.1, 0.5, -0.5):
     gate.observe(feedback, now)
     arm.torque_into(friction, [speed] * n, feedback.velocity, None, None, feedback.position, [0.0] * n)
     # beside what your controller asks for:
-    wanted = [
-        one + rest for one, rest in zip(friction, arm.feed_forward, strict=True)
-    ]  # beside what your controller asks for
+    wanted = [one + rest for one, rest in zip(friction, arm.feed_forward, strict=True)]
     gate.admit(wanted, command, now)
     print(f"{speed:+.1f} rad/s: load {arm.load[0]:+.2f}, friction {friction[0]:+.2f}, sent {command[0]:+.2f} N·m")
