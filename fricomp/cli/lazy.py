@@ -1,6 +1,5 @@
 """A group of commands whose modules are imported only when one of them is used."""
 
-import sys
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec
@@ -10,7 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from fricomp.cli.help_table import whole_names
-from fricomp.cli.output import with_output_options
+from fricomp.cli.output import tell_interrupt, with_output_options
 
 __all__ = ["LazyGroup", "lazy_app"]
 
@@ -37,16 +36,20 @@ class LazyGroup(TyperGroup):
             args = [self.default, *args]
         return super().parse_args(ctx, args)
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; Ctrl-C that no command has said anything of, as its module is still imported, is told."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
+            tell_interrupt(interrupt)
+            raise
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command that `args` begins with; only its module is imported."""
         name, placeholder, rest = super().resolve_command(ctx, args)
         if name is None or placeholder is None:
             return name, placeholder, rest
-        try:
-            module = import_module(module_name(self.package, name))
-        except KeyboardInterrupt:
-            print("\nInterrupted.", file=sys.stderr)
-            raise
+        module = import_module(module_name(self.package, name))
         command = with_output_options(typer.main.get_command(module.app))
         command.name = name
         return name, command, rest

@@ -89,15 +89,16 @@ def run() -> None:
     try:
         with watch_reading(_show_reading):
             app()
-    except KeyboardInterrupt:
+    except KeyboardInterrupt:  # before a command began; click ends those that had
+        print("\nInterrupted.", file=sys.stderr)
         sys.exit(EXIT_INTERRUPTED)
-    except FricompError as error:
+    except (FricompError, ImportError) as error:
         if _was_import_interrupted(error):
             print("\nInterrupted.", file=sys.stderr)
             sys.exit(EXIT_INTERRUPTED)
-        _fail(str(error))
-    except ModuleNotFoundError as error:
-        extra = extra_for(error.name or "")
+        if isinstance(error, FricompError):
+            _fail(str(error))
+        extra = extra_for(error.name or "") if isinstance(error, ModuleNotFoundError) else None
         if extra is None:
             raise
         _fail(str(MissingExtraError(error.name or "", extra)))

@@ -40,6 +40,8 @@ class Said:
     tables: list[dict[str, Any]] = field(default_factory=list)
 
 
+_TOLD = ("told",)
+"""Arguments of an interruption that was told."""
 _SAID: ContextVar[Said | None] = ContextVar("said", default=None)
 
 
@@ -118,9 +120,8 @@ def _answering(callback: Callable[..., Any]) -> Callable[..., Any]:
             except typer.Exit:
                 _print_said(said)
                 raise
-            except KeyboardInterrupt:
-                if not said.interrupted:
-                    say_interrupted(".")
+            except KeyboardInterrupt as interrupt:
+                tell_interrupt(interrupt, is_told=said.interrupted)
                 raise
             _print_said(said)
             return result
@@ -150,6 +151,18 @@ def say_interrupted(how: str) -> None:
     """
     hearing().interrupted = True
     print(f"\nInterrupted{how}", file=sys.stderr)
+
+
+def tell_interrupt(interrupt: KeyboardInterrupt, *, is_told: bool = False) -> None:
+    """Say that a command was interrupted, once of each interruption.
+
+    Args:
+        interrupt: As it was raised.
+        is_told: Whether the command has said it.
+    """
+    if not is_told and interrupt.args != _TOLD:
+        print("\nInterrupted.", file=sys.stderr)
+    interrupt.args = _TOLD
 
 
 def answer(value: Any) -> None:

@@ -214,3 +214,28 @@ def test_ctrl_c_while_packages_are_imported_is_one_sentence(
         run_from_the_start()
     assert ended.value.code == 130
     assert capsys.readouterr().err.strip() == "Interrupted."
+
+
+def test_ctrl_c_before_a_command_begins_is_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(name: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fricomp.cli.lazy.import_module", interrupt)
+    monkeypatch.setattr(sys, "argv", ["fricomp", "identify", "log.csv"])
+    with pytest.raises(SystemExit) as exit_info:
+        main.run()
+    assert exit_info.value.code == 130
+    assert capsys.readouterr().err == "\nInterrupted.\n"
+
+
+def test_an_extension_whose_import_ctrl_c_ended_is_an_interruption(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    error = ImportError("initialization failed")
+    error.__cause__ = KeyboardInterrupt()
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, error)()
+    assert exit_info.value.code == 130
+    assert capsys.readouterr().err == "\nInterrupted.\n"
