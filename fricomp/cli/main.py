@@ -98,10 +98,11 @@ def run() -> None:
             sys.exit(EXIT_INTERRUPTED)
         if isinstance(error, FricompError):
             _fail(str(error))
-        extra = extra_for(error.name or "") if isinstance(error, ModuleNotFoundError) else None
+        missing = error.name or "" if isinstance(error, ModuleNotFoundError) else ""
+        extra = extra_for(missing)
         if extra is None:
             raise
-        _fail(str(MissingExtraError(error.name or "", extra)))
+        _fail(str(MissingExtraError(missing, extra)))
     except OSError as error:
         if error.filename is not None:
             _fail(f"{error.filename}: {error.strerror}")
