@@ -121,10 +121,13 @@ class FrictionCurves:
 
     @property
     def static_ratio(self) -> float:
-        """Largest F_s/F_c of either direction [1]."""
-        return max(
-            (c.coulomb + c.rise) / c.coulomb if c.coulomb > 0.0 else math.inf for c in (self.forward, self.reverse)
-        )
+        """Largest F_s/F_c of either direction, of all that is dry: a law may hold a part of its level in a bristle."""
+        beside = [_directions(term)[:2] for term in self.extra if _is_dry(term)]
+        ratios = []
+        for k, curve in enumerate((self.forward, self.reverse)):
+            coulomb = curve.coulomb + sum(each[k].coulomb_torque for each in beside)
+            ratios.append((coulomb + curve.rise) / coulomb if coulomb > 0.0 else math.inf)
+        return max(ratios)
 
     def largest(self, velocity: tuple[float, float], load_factor: float = 1.0) -> float:
         """Largest friction from `velocity[0]` to `velocity[1]` [N·m] or [N]."""

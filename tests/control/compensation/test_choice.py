@@ -17,6 +17,7 @@ from fricomp.laws import (
     Cogging,
     Coulomb,
     FrictionLaw,
+    LuGre,
     SpringTorque,
     StribeckCurve,
     Term,
@@ -56,6 +57,14 @@ def test_falling_branch_is_recognised_from_the_model_alone_and_said() -> None:
     settings = choose_settings(make_model(0.8))
     assert settings.source == "blend"
     assert "4.0 times Coulomb" in " ".join(settings.notes)
+
+
+def test_a_level_that_a_bristle_holds_counts_as_coulomb_friction() -> None:
+    """Of an arm's joint whose level lies in three terms static friction was told to be 4.4 times Coulomb friction."""
+    rest, bent = StribeckCurve(0.1, 0.4, 0.2, 0.3), StribeckCurve(0.8, 0.8, 1.0, 0.0)
+    law = FrictionLaw((BidirectionalStribeck(rest, rest), LuGre(bent, bent, 400.0, 0.0)))
+    settings = choose_settings(FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0))))
+    assert settings.source == "reference"
 
 
 def test_damping_of_the_loop_decides_where_it_is_known() -> None:
