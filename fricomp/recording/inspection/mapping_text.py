@@ -36,7 +36,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     lines += ['torque_side = "motor"'] if metadata.torque_side == "motor" else []
     lines += [] if known["encoder_resolution"] else [_ENCODER]
     stamps, meaning = next(iter(joints.values()))["time"]
-    lines += ["", "[channels]", _render_time(stamps, meaning, layout)]
+    lines += ["", "[channels]", _render_time(stamps, meaning.unit, layout)]
     for name, columns in joints.items():
         table = "" if len(joints) == 1 else "channels."
         lines += [] if len(joints) == 1 else ["", "[[joints]]", f"name = {_quote(name)}"]
@@ -49,7 +49,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _render_time(stamps: str, meaning: ColumnMeaning, layout: TextLayout | None) -> str:
+def _render_time(stamps: str, unit: str, layout: TextLayout | None) -> str:
     """The rule for the time: of one column, of a stamp in two, or of rows by their rate."""
     counter, at, rate = stamps.rpartition(AT_RATE)
     if at and rate.endswith(" Hz"):
@@ -64,7 +64,7 @@ def _render_time(stamps: str, meaning: ColumnMeaning, layout: TextLayout | None)
             seconds, rest = stamps.split(between)
             parts = [f"{part} = {render_column(rest, layout)}"]
     parts += ["steps = true"] if says_steps(seconds) else []
-    return _rule("time", seconds, meaning.unit, layout, *_scale(meaning), *parts, "from_zero = true")
+    return _rule("time", seconds, unit, layout, *parts, "from_zero = true")
 
 
 def describe_source(path: Path, layout: TextLayout | None) -> list[str]:

@@ -113,7 +113,7 @@ def _refuse_other_way(path: Path, recording: Recording, position: str, velocity:
 def settle_units(
     path: Path, recording: Recording, own: dict[str, tuple[str, ColumnMeaning]], time: tuple[str, str]
 ) -> tuple[Recording, list[str]]:
-    """The recording with the units that position, velocity and time tell of each other, and what was taken for what.
+    """The recording with the units that position and velocity tell of each other, and what was taken for what.
 
     One is the rate of another: where the factor between them is that of a unit, the column without one is in that. A
     position is converted only by a velocity that states its unit, since a gear makes a factor as well.
@@ -123,6 +123,9 @@ def settle_units(
         recording: What was read of it.
         own: Column and meaning of the joint by channel; what was settled is written into it.
         time: Name of the column with the time, and its unit.
+
+    Raises:
+        RecordingError: The time states no unit and may count others: a gear of ten looks alike.
     """
     compared = compare_rate(recording) if "velocity" in own else None
     if compared is None or compared[1] < _ALIKE or abs(compared[0] - 1.0) < _SAME_UNIT:
@@ -140,9 +143,13 @@ def settle_units(
     is_open = time[1] in _COUNTED and not read_time_unit(time[0]) and len(silent) != 1
     if not is_open or power not in _POWERS or abs(compared[0] / 10.0**power - 1.0) > _SAME_UNIT:
         return recording, []
-    own["time"] = (time[0], ColumnMeaning("time", "", 0, time[1], 10.0**power))
-    note = f"{path.name}: {time[0]!r} was taken to be in {10.0**power:g} {time[1]}, by {own['velocity'][0]!r}."
-    return recording.with_channels(time=np.asarray(recording.time) * 10.0**power), [note]
+    one, rule = 10.0**power, f'column = {time[0]!r}, unit = "{time[1]}", scale = {10.0**power:g}, from_zero = true'
+    raise RecordingError(
+        f"{path}: {time[0]!r} states no unit, and beside it in {time[1]} {own['position'][0]!r} moves "
+        f"{compared[0]:.4g} times as far as {own['velocity'][0]!r} says: where it counts {one:g} {time[1]}, write "
+        f"time = {{ {rule} }} in a mapping; where the velocity is that of another side of a gear, leave its line out "
+        "('fricomp convert LOG --inspect --out log.toml' begins one)"
+    )
 
 
 def _find_unit_by_rate(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from fricomp.errors import RecordingError
-from fricomp.recording import load_mapping
+from fricomp.recording import convert, load_mapping
 from fricomp.recording.file import read_content
 
 from .proposed_mapping import convert_by_proposal
@@ -40,15 +41,33 @@ def require_as_measured(path: Path, folder: Path) -> None:
         ("t,angle,rate (rev/s),torque", [TIME, POSITION / TURN, VELOCITY / TURN, TORQUE]),
         ("t,q [deg],vel,tau", [TIME, DEGREES * POSITION, DEGREES * VELOCITY, TORQUE]),
         ("t,q [rad],vel,tau", [TIME, POSITION, VELOCITY * 60.0 / TURN, TORQUE]),
-        ("time,pos [deg],vel [deg/s],trq", [1e4 * TIME, DEGREES * POSITION, DEGREES * VELOCITY, TORQUE]),
-        ("time,pos,vel,trq", [1e4 * TIME, POSITION, VELOCITY, TORQUE]),
-        ("stamp,pos_rad,vel_rad_s,trq", [1e5 * TIME, POSITION, VELOCITY, TORQUE]),
     ],
 )
-def test_a_way_and_its_rate_tell_each_others_units_and_that_of_time(
-    names: str, columns: Columns, tmp_path: Path
-) -> None:
+def test_a_way_and_its_rate_tell_each_others_units(names: str, columns: Columns, tmp_path: Path) -> None:
     require_as_measured(write(tmp_path, names, columns), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("names", "counts", "scale"),
+    [
+        ("time,pos [deg],vel [deg/s],trq", 1e4, DEGREES),
+        ("time,pos,vel,trq", 1e4, 1.0),
+        ("stamp,pos_rad,vel_rad_s,trq", 1e5, 1.0),
+    ],
+)
+def test_a_clock_that_may_count_other_parts_or_stand_beside_a_gear_is_asked_about(
+    names: str, counts: float, scale: float, tmp_path: Path
+) -> None:
+    path = write(tmp_path, names, [np.round(counts * TIME), scale * POSITION, scale * VELOCITY, TORQUE])
+    with pytest.raises(RecordingError, match=r"states no unit, and beside it in [mu]s .* side of a gear") as refused:
+        read_content(path)
+    (rule,) = re.findall(r"time = (\{[^}]*\})", str(refused.value))
+    columns = names.split(",")
+    rules = [f"time = {rule}", f'position = {{ column = "{columns[1]}", scale = {1.0 / scale!r} }}']
+    lines = ["[source]", "header = true", "[channels]", *rules, f'torque = {{ column = "{columns[3]}" }}']
+    (found,) = convert(path, load_mapping(write_text(tmp_path, "log.toml", "\n".join(lines))))
+    assert found.recording.time == pytest.approx(TIME - TIME[0], abs=1.0 / counts)
+    assert found.recording.position == pytest.approx(POSITION, abs=2e-6)
 
 
 @pytest.mark.parametrize("ratio", [1.0 / 4.0, 6.0, 50.0])
