@@ -120,9 +120,17 @@ def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
         else:
             matches = [path]
         if not matches:
-            raise RecordingError(f"{source} holds no log: give one of {', '.join(_SUFFIXES)}, or a rosbag2")
+            below, known = _list_log_folders(path), f"one of {', '.join(_SUFFIXES)}, or a rosbag2"
+            instead = f"{below[0]}, which does" if len(below) == 1 else known
+            raise RecordingError(f"{source} holds no log: give {instead}")
         found += matches
     return list(dict.fromkeys(found))
+
+
+def _list_log_folders(path: Path) -> list[Path]:
+    """Folders right below a path that hold a log."""
+    folders = [one for one in sorted(path.iterdir()) if one.is_dir()] if path.is_dir() else []
+    return [one for one in folders if any(each.suffix.lower() in _SUFFIXES for each in one.iterdir())]
 
 
 def _list_one_each(folder: Path) -> list[Path]:

@@ -288,3 +288,13 @@ def test_a_folder_with_a_folder_of_each_joint_is_an_arm(tmp_path: Path) -> None:
     (tmp_path / "log" / "elbow" / "again.csv").write_text((tmp_path / "log" / "elbow" / "data.csv").read_text())
     with pytest.raises(RecordingError, match="holds no log"):
         read_arm_log([tmp_path / "log"], simulation=simulation)
+
+
+def test_a_folder_whose_log_lies_in_a_folder_says_which(tmp_path: Path) -> None:
+    """As `fricomp cases make --arm` writes it: the simulation beside the folder `log`."""
+    write_arm(tmp_path)
+    (tmp_path / "log").mkdir()
+    for name in ("elbow", "wrist"):
+        write_csv(tmp_path / "log" / f"{name}.csv", {"t": TIME, "pos": POSITION[:, 0], "tau": TORQUE[:, 0]})
+    with pytest.raises(RecordingError, match=r"holds no log: give .*log, which does"):
+        read_arm_log([tmp_path])
