@@ -14,10 +14,17 @@ from .confirmation import Confirmation
 from .settings import GATES
 
 
-def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
+def covers(best: Explanation, found: SearchResult, baseline: Baseline, slack: float = 0.0) -> bool:
     """Whether little is left beside `best`: of what it explains, or of what would stand out by itself; and no fewer
     effects explain clearly more with numbers that they cannot have. What is there is near to those then, as a ripple of
-    one wave over the range is, and the others together only imitate it."""
+    one wave over the range is, and the others together only imitate it.
+
+    Args:
+        best: The explanation.
+        found: What the search found.
+        baseline: The base fitted to the recordings, with its nulls.
+        slack: Coverage that it may lack.
+    """
     if any(
         one.refused
         and len(one.names) < len(best.names)
@@ -28,8 +35,9 @@ def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
     faint = max(GATES.faint_nulls * found.explainable_null, GATES.faint * baseline.fit.residual.size)
     clear = best.certain > GATES.clear * found.threshold
     if best.left < found.explainable_null:
-        return best.coverage >= GATES.faintly_covered
-    return best.coverage >= GATES.covered or (clear and best.coverage >= GATES.mostly_covered and best.left < faint)
+        return best.coverage >= GATES.faintly_covered - slack
+    covered = best.coverage + slack
+    return covered >= GATES.covered or (clear and covered >= GATES.mostly_covered and best.left < faint)
 
 
 def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loudness: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from scipy.stats import chi2
@@ -16,17 +16,17 @@ from .settings import NEEDS
 from .undetermined import is_open_of_effect
 
 
-def list_objections(refitted: RefittedJoint, *, is_shown: bool = False) -> dict[str, str]:
+def list_objections(refitted: RefittedJoint, shown: Collection[str] = ()) -> dict[str, str]:
     """Say for each effect what speaks against its name; nothing for those that have all that they need.
 
     Args:
         refitted: The explanation at its minimum, with fresh derivatives.
-        is_shown: Whether held-out data have shown that something is there: a region about the minimum says less, where
-            a few loud rows make it wide or numbers bend, as those of a stop that is met twice.
+        shown: Effects without which far less is explained: a region about the minimum says less of them, where a few
+            loud rows make it wide or numbers bend, as those of a stop that is met twice.
     """
     found = {}
-    absence = () if is_shown else (_find_absence,)
     for name in refitted.structure.names:
+        absence = () if name in shown else (_find_absence,)
         findings = (_find_end, _find_lowest, _find_open, *absence, _find_trade)
         reason = next((said for find in findings if (said := find(refitted, name))), "")
         if reason:

@@ -271,7 +271,7 @@ class _Trial:
         best = choose(baseline, tried, threshold)
         explainable = self.base.compute_explainable(rows, curb(base.residual))
         found = replace(self.found, explanations=tuple(tried), best=best, threshold=threshold, explainable=explainable)
-        if best is not None and covers(best, found, baseline):
+        if best is not None and covers(best, found, baseline, REPETITIONS.slack):
             named = best.common_order is None and not best.foreign_curve
             return best.names if named else "unknown"
         return "unknown" if stands_out(found, baseline) else "nothing"

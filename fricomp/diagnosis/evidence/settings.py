@@ -162,6 +162,8 @@ class RepetitionSettings:
         near: Part of the best gain that such an explanation must have.
         ridge: Added to the squares of an orthonormal basis, for columns that all lie in what is left out.
         longest_step: Longest step along an axis of the curvature, in scales, as far as the linearised refit is trusted.
+        slack: Coverage that a repetition may lack: what covers just enough in all rows covers too little in half of
+            their parts, which says nothing of the name.
         reached: Part of the squares of what effects add below which they do not act in a part of the rows.
         seed: Of the blocks and of the nulls that are drawn; the same for every recording.
     """
@@ -175,6 +177,7 @@ class RepetitionSettings:
     near: float = 0.5
     ridge: float = 1e-3
     longest_step: float = 1.0
+    slack: float = 0.05
     reached: float = 0.01
     seed: int = 0
 

@@ -74,8 +74,7 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         held = confirm(baseline, tried.structure, tried.fit, seed, given=tried.before)
         if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
             return Trial(repetitions, failed=tried, objections=objections | forms, unfit=unfit)
-        alone = len(tried.names) == 1 and tried.certain > GATES.overwhelming * found.threshold
-        own = list_objections(RefittedJoint.refit(baseline, tried), is_shown=alone)
+        own = list_objections(RefittedJoint.refit(baseline, tried), _find_shown(found, tried))
         against = own | _list_objections(baseline, found, tried, held, repetitions)
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections | forms)
@@ -98,6 +97,20 @@ def leave_out_unfit(baseline: Baseline, found: SearchResult, trial: Trial) -> Se
     best = choose(baseline, rest, found.threshold)
     out = [replace(one, refused=one.refused or _UNFIT) for one in found.explanations if trial.unfit & set(one.names)]
     return None if best is None else replace(found, explanations=(*rest, *out), best=best)
+
+
+def _find_shown(found: SearchResult, tried: Explanation) -> frozenset[str]:
+    """Effects without which, all others fitted anew, overwhelmingly less is explained."""
+    gains = {name: _find_gain(found, set(tried.names) - {name}) for name in tried.names}
+    least = GATES.overwhelming * found.threshold
+    return frozenset(name for name, gain in gains.items() if gain is not None and tried.certain - gain > least)
+
+
+def _find_gain(found: SearchResult, names: set[str]) -> float | None:
+    """Largest certain gain of exactly these effects, whatever speaks against them; None where they were not fitted."""
+    if not names:
+        return 0.0
+    return max((one.certain for one in found.explanations if set(one.names) == names), default=None)
 
 
 def _list_objections(

@@ -30,6 +30,7 @@ def _refitted(name: str, deviation: float, **values: float) -> RefittedJoint:
 def test_a_size_whose_interval_holds_zero_is_no_name() -> None:
     assert "holds zero" in list_objections(_refitted("load_coulomb", 0.1, coefficient=0.1))["load_coulomb"]
     assert list_objections(_refitted("load_coulomb", 0.02, coefficient=0.1)) == {}
+    assert list_objections(_refitted("load_coulomb", 0.1, coefficient=0.1), {"load_coulomb"}) == {}
 
 
 @pytest.mark.parametrize(("deviation", "named"), [(0.07, True), (0.15, False)])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from fricomp.diagnosis.evidence import trial
@@ -23,9 +25,11 @@ def _try(
     shares: Repetitions,
     plain: PlainErrors = _CLEAR,
     against: dict[str, str] | None = None,
+    quiet: bool = False,
 ) -> Trial:
     """Put the first of these to trial, where held-out data bear out all of them."""
     baseline = known_baseline(loudness=1.5)
+    baseline = replace(baseline, nulls=replace(baseline.nulls, quiet=quiet))
     held = Confirmation(1.0, 0.3, 0.2, (0.5, 0.8), 0.9, plain)
     monkeypatch.setattr(trial, "repeat_choice", lambda *_: shares)
     monkeypatch.setattr(trial, "confirm", lambda *_, **__: held)
@@ -70,9 +74,12 @@ def test_what_no_plain_error_shows_is_nothing_that_is_missing(monkeypatch: pytes
     assert found.immaterial
 
 
-@pytest.mark.parametrize(("part", "acting", "named"), [(0.003, 0.008, False), (0.003, 0.02, True), (0.03, 0.03, True)])
-def test_what_nobody_would_miss_has_no_name(
-    monkeypatch: pytest.MonkeyPatch, part: float, acting: float, named: bool
+@pytest.mark.parametrize(
+    ("part", "acting", "quiet", "named"),
+    [(0.003, 0.008, True, False), (0.003, 0.02, True, True), (0.03, 0.03, True, True), (0.003, 0.008, False, True)],
+)
+def test_what_nobody_would_miss_has_no_name_where_nothing_hides_it(
+    monkeypatch: pytest.MonkeyPatch, part: float, acting: float, quiet: bool, named: bool
 ) -> None:
     """A log without noise: all of a difference is seen, and it is a few thousandths of the friction, also where the
     effect acts, which at reversals alone may be more."""
@@ -80,7 +87,7 @@ def test_what_nobody_would_miss_has_no_name(
     level = unpack(one.fit.theta[: len(BASE_NAMES)]).level
     size, shares = part * level, Repetitions(10, {("cogging",): 10})
     plain = PlainErrors(size, 0.01 * size, 0.001 * size, acting * level)
-    found = _try(monkeypatch, one, both, shares=shares, plain=plain)
+    found = _try(monkeypatch, one, both, shares=shares, plain=plain, quiet=quiet)
     assert (found.chosen is one) == named
     assert found.immaterial != named
 
@@ -151,3 +158,13 @@ def test_nothing_is_left_out_where_something_is_named_or_its_numbers_are_sound(n
     stop = known_fit(baseline, ["end_stop"], 500.0, coverage=0.98)
     trial = Trial(chosen=push, unfit=frozenset({"end_stop"})) if named else Trial(objections={"end_stop": "seldom"})
     assert leave_out_unfit(baseline, known_search(stop, push), trial) is None
+
+
+def test_without_what_is_shown_overwhelmingly_less_is_explained() -> None:
+    """Whatever speaks against the rest, all of which must have been fitted."""
+    baseline = known_baseline()
+    both = known_fit(baseline, ["cogging", "spring_torque"], 900.0)
+    one = known_fit(baseline, ["cogging"], 500.0, refused="no")
+    assert trial._find_shown(known_search(both, one), both) == {"spring_torque"}
+    assert trial._find_shown(known_search(both), both) == frozenset()
+    assert trial._find_shown(known_search(one), one) == {"cogging"}
