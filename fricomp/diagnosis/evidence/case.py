@@ -22,7 +22,7 @@ from .comparison import Comparison, Tolerances
 from .friction_comparison import GivenFriction, compare_friction, list_friction_changes
 from .refitted import RefittedJoint
 from .rigid_comparison import compare_rigid
-from .settings import PARAMETERS
+from .settings import GATES, PARAMETERS
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,8 @@ def compare_given(case: Case, refitted: RefittedJoint, tolerances: Tolerances) -
         cov = cov + given.covariance
     acceleration = compute_rms(np.concatenate([c.acceleration for c in refitted.structure.contexts]))
     if given is not None:
-        result = compare_rigid(plant, cov[:4, :4], given, case.unit, tolerances, acceleration)
+        material = GATES.material if case.baseline.nulls.quiet else GATES.least
+        result = compare_rigid(plant, cov[:4, :4], given, case.unit, tolerances, acceleration, material=material)
     if given is not None and (read or case.friction is None):
         units = (case.unit, case.position_unit)
         result = replace(result, changes=result.changes + list_friction_changes(plant, cov, given, units, tolerances))

@@ -31,6 +31,7 @@ def compare_rigid(
     tolerances: Tolerances,
     acceleration: float,
     least: float = PARAMETERS.significant,
+    material: float = GATES.material,
 ) -> Comparison:
     """Compare inertia and gravity with the simulation's.
 
@@ -42,6 +43,7 @@ def compare_rigid(
         tolerances: How far the refitted parameters stray beyond what the fit knows of its own error.
         acceleration: RMS of the motion's [rad/s²].
         least: Fall of chi squared that what moved must bring.
+        material: Torque that what moved must make, in the Coulomb torque.
     """
     static = _list_static(plant, given)
     refit = np.array([plant.inertia / given.inertia, *(one.refitted for one in static)])
@@ -61,14 +63,14 @@ def compare_rigid(
     if _shows_gravity(prior, covariance + floor):
         hypotheses["torque_gain_error"] = prior[:, None]
     scores, _ = weigh_hypotheses(shift, weight, hypotheses)
-    if scores[""] - min(scores.values()) < least or not _matters(shift, plant, given, acceleration):
+    if scores[""] - min(scores.values()) < least or not _matters(shift, material * plant.level, given, acceleration):
         return Comparison()
     # What moved strays by a part of its own size as well: that tells no hypothesis from another.
     own = np.array([abs(shift[0]), *[float(np.linalg.norm(shift[1:]))] * len(static)])
     floor += np.diag((PARAMETERS.form * own) ** 2)
     # Nor does what nobody would miss: a gravity that is off by a trifle makes no other load of another inertia.
     per = np.array([max(given.inertia * acceleration, 1e-12), *np.ones(len(static))])
-    trifle = 0.5 * GATES.material * plant.level / per
+    trifle = 0.5 * material * plant.level / per
     weight = np.asarray(np.linalg.inv(covariance + floor + np.diag(trifle**2)), dtype=np.float64)
     scores, fitted = weigh_hypotheses(shift, weight, hypotheses)
     best = min(hypotheses, key=lambda name: scores[name])
@@ -100,10 +102,10 @@ def compare_rigid(
     return Comparison((shift_of_best,), tuple(changes))
 
 
-def _matters(shift: FloatArray, plant: Plant, given: RigidJoint, acceleration: float) -> bool:
-    """Whether the torque of a shift is a part of the friction that a user would care about, as for what is unknown."""
+def _matters(shift: FloatArray, material: float, given: RigidJoint, acceleration: float) -> bool:
+    """Whether a shift makes a torque of more than `material` [N·m]."""
     torque = np.hypot(float(shift[0]) * given.inertia * acceleration, float(np.linalg.norm(shift[1:])))
-    return bool(torque > GATES.material * plant.level)
+    return bool(torque > material)
 
 
 def _shows_gravity(prior: FloatArray, covariance: FloatArray) -> bool:
