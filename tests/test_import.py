@@ -31,6 +31,12 @@ def test_compensator_needs_no_extra() -> None:
     assert not set(EXTRAS) & set(loaded)
 
 
+def test_adapters_and_recordings_need_no_extra() -> None:
+    """What `pip install` of the package alone brings."""
+    loaded = run("import sys, fricomp.adapters, fricomp.recording; print(' '.join(sys.modules))").split()
+    assert not set(EXTRAS) & set(loaded)
+
+
 def test_public_names_are_sorted_and_exist() -> None:
     assert list(fricomp.__all__) == sorted(fricomp.__all__)
     assert all(getattr(fricomp, name) is not None for name in fricomp.__all__)

@@ -2,9 +2,8 @@
 
 from fricomp.recording.checks.checks import CheckedRecording, check_recording
 from fricomp.recording.conversion import NamedRecording, convert
-from fricomp.recording.file import read_recording, write_recording
+from fricomp.recording.file import read_checked, read_recording, write_recording
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
-from fricomp.recording.intake import read_checked
 from fricomp.recording.mapping import Mapping, list_mappings, load_mapping
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.public import find_public_data, read_public, read_public_named

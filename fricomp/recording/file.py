@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.checks.checks import CheckedRecording, check_recording
 from fricomp.recording.csv_file import FileContent, read_csv, write_csv
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
 from fricomp.recording.metadata import RecordingMetadata
@@ -72,6 +73,17 @@ def read_recording(
     for finding in content.findings:
         warnings.warn(f"{path}: {finding}", RecordingWarning, stacklevel=2)
     return content.recording
+
+
+def read_checked(path: str | Path) -> CheckedRecording:
+    """Read a recording and check it.
+
+    Raises:
+        RecordingError: The file is missing, damaged, or its samples cannot be used.
+        MissingExtraError: The file is Parquet and pyarrow is not installed.
+    """
+    content = read_content(Path(path))
+    return CheckedRecording(content.recording, content.findings + check_recording(content.recording))
 
 
 def read_content(

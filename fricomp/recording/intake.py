@@ -9,7 +9,7 @@ import msgspec
 
 from fricomp.errors import RecordingError
 
-from .checks.checks import CheckedRecording, check_recording
+from .checks.checks import check_recording
 from .conversion import NamedRecording, convert
 from .file import is_own, read_content
 from .finding import Finding
@@ -82,17 +82,6 @@ def read_source(source: Path, intake: Intake) -> list[NamedRecording]:
         joints = [one.metadata.joint for one in log.recordings]
         found = [NamedRecording(one, *each) for one, each in zip(joints, _tell_each(source, log), strict=True)]
     return found if intake.rate is None else [_resample(named, intake.rate) for named in found]
-
-
-def read_checked(path: str | Path) -> CheckedRecording:
-    """Read a recording and check it.
-
-    Raises:
-        RecordingError: The file is missing, damaged, or its samples cannot be used.
-        MissingExtraError: The file is Parquet and pyarrow is not installed.
-    """
-    content = read_content(Path(path))
-    return CheckedRecording(content.recording, content.findings + check_recording(content.recording))
 
 
 def _tell_each(source: Path, log: NamedLog) -> Iterator[tuple[Recording, tuple[Finding, ...]]]:

@@ -118,17 +118,26 @@ def confirm(baseline: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
 
 
 def _measure_plain(baseline: Baseline, structure: Structure, before: FloatArray, after: FloatArray) -> PlainErrors:
-    """Errors of rows without weights: of those that slide, or of all where an effect shows about rest."""
+    """Errors of rows without weights: of those that slide, or of all where an effect shows at rest and these say more.
+
+    What the law of the bristle leaves about rest is as large in both errors, and hides an effect that acts everywhere.
+    """
     own = baseline.nulls.weights
     weights = own if baseline.problem.weights is None else baseline.problem.weights
+    nulls = [np.concatenate(own.unweigh(null)) for null in baseline.null_residuals]
+    sides = [np.concatenate(weights.unweigh(side)) for side in (before, after)]
     at_rest = any(candidate.effect.shown_at_rest for candidate in structure.candidates)
-    rows = np.ones(before.size, dtype=bool) if at_rest else baseline.sliding
-    nulls = [np.mean(null[rows] ** 2) for null in map(np.concatenate, map(own.unweigh, baseline.null_residuals))]
-    sides = [np.concatenate(weights.unweigh(side))[rows] for side in (before, after)]
-    rms = [compute_rms(side) for side in sides]
-    changed = (sides[0] - sides[1]) ** 2  # the same noise is in both, and none in this
+    chosen = [baseline.sliding, np.ones_like(baseline.sliding)] if at_rest else [baseline.sliding]
+    return max((_compare_plain(rows, sides, nulls) for rows in chosen), key=lambda one: one.explained)
+
+
+def _compare_plain(rows: NDArray[np.bool_], sides: list[FloatArray], nulls: list[FloatArray]) -> PlainErrors:
+    """Errors of some rows, before and after, and of nulls there."""
+    before, after = (side[rows] for side in sides)
+    floor = float(np.sqrt(np.mean([np.mean(null[rows] ** 2) for null in nulls])))
+    changed = (before - after) ** 2  # the same noise is in both, and none in this
     acting = float(np.sqrt(np.sum(changed**2) / max(float(np.sum(changed)), 1e-300)))
-    return PlainErrors(rms[0], rms[1], float(np.sqrt(np.mean(nulls))), acting)
+    return PlainErrors(compute_rms(before), compute_rms(after), floor, acting)
 
 
 def _measure_typical_noise(baseline: Baseline) -> float:
