@@ -111,8 +111,8 @@ def _read_wanted(path: Path, source: Source, keys: Collection[Column], *, skip_b
         columns = read_columns(path, source, keys, skip_bad_rows=skip_bad_rows)
     except RecordingError:
         named = {} if source.topic else _read_named(path, keys)
-        if not named:
-            raise
+        if not named or not all(np.all(np.isfinite(named[key])) for key in keys):
+            raise  # the line that is wrong is told there
         return named
     found = {key: key if key in columns else str(key).partition(" [")[0] for key in keys}
     if all(key in columns for key in found.values()) and len({columns[key].size for key in found.values()}) < 2:

@@ -82,8 +82,23 @@ def test_decimal_commas_are_read_where_a_comma_is_no_delimiter(tmp_path: Path) -
 
 
 def test_another_delimiter_is_told_by_what_the_line_looks_like(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("0,1;0,2;0,3\n" * 20)
+    channels = "".join(f"{name} = {{ column = {k} }}\n" for k, name in enumerate(("time", "position", "torque")))
+    (tmp_path / "map.toml").write_text(f"[source]\nheader = false\n[channels]\n{channels}")
     with pytest.raises(RecordingError, match='delimiter = ";"'):
-        _convert_text(tmp_path, "t;q;u\n" + "0,1;0,2;0,3\n" * 20, "")
+        convert(tmp_path / "log.csv", tmp_path / "out.csv", str(tmp_path / "map.toml"), force=True)
+
+
+def test_another_delimiter_is_found_where_columns_are_named(tmp_path: Path) -> None:
+    rows = "".join(f"{k * 0.004:.3f};{np.sin(k / 50):.6f};{0.1 * k:.2f}\n".replace(".", ",") for k in range(300))
+    assert _convert_text(tmp_path, "t;q;u\n" + rows, "") == pytest.approx(0.004)
+
+
+def test_a_word_among_numbers_is_told_with_its_line(tmp_path: Path) -> None:
+    rows = [f"{k * 0.004:.3f},{np.sin(k / 50):.6f},{0.1 * k:.2f}" for k in range(300)]
+    rows[99] = "0.396,lost,9.9"
+    with pytest.raises(RecordingError, match="line 101, column q: 'lost' is no number"):
+        _convert_text(tmp_path, "t,q,u\n" + "\n".join(rows), "")
 
 
 def test_stamps_by_iso_8601_are_seconds(tmp_path: Path) -> None:

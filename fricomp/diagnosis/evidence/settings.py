@@ -123,12 +123,15 @@ class NeedSettings:
         sure: Probability of the region of an effect's numbers that must not hold its absence.
         share: Share of the repetitions in which a name must come again. Below it, it is told as a remark.
         plain: Part of the held-out energy above the noise, each row counting alike, that must go.
+        dwarfed: What an effect takes away, root mean square over that of all, below which the form of the others may
+            leave as much.
         trace: Part of it below which what covers the mismatch where rows weigh most is nothing that is missing.
     """
 
     sure: float = 0.95
     share: float = 0.9
     plain: float = 0.5
+    dwarfed: float = 0.01
     trace: float = 0.05
 
 

@@ -127,7 +127,16 @@ def _list_objections(
         share = repetitions.compute_share_of_any((name, *list_aliases(found, name)))
         if share < NEEDS.share and name not in found_against:
             found_against[name] = f"it comes again in {share:.0%} of the repetitions, less than {NEEDS.share:.0%}"
-    return found_against
+    return found_against | _find_dwarfed(found, tried)
+
+
+def _find_dwarfed(found: SearchResult, tried: Explanation) -> dict[str, str]:
+    """Effects that add less than the law of the others holds to: a stop of 400 times the noise leaves something of any
+    form."""
+    gains = {name: _find_gain(found, set(tried.names) - {name}) for name in tried.names}
+    least = (1.0 - NEEDS.dwarfed**2) * tried.certain
+    said = f"it takes away less than {NEEDS.dwarfed:.0%} of what the others do, as much as their own form may leave"
+    return {name: said for name, gain in gains.items() if gain is not None and gain > least}
 
 
 def _find_forms(baseline: Baseline, found: SearchResult, tried: Explanation) -> dict[str, str]:

@@ -168,3 +168,15 @@ def test_without_what_is_shown_overwhelmingly_less_is_explained() -> None:
     assert trial._find_shown(known_search(both, one), both) == {"spring_torque"}
     assert trial._find_shown(known_search(both), both) == frozenset()
     assert trial._find_shown(known_search(one), one) == {"cogging"}
+
+
+@pytest.mark.parametrize(("whole", "named"), [(600.0, True), (7e6, False)])
+def test_what_is_dwarfed_by_another_effect_may_be_what_its_form_leaves(
+    monkeypatch: pytest.MonkeyPatch, whole: float, named: bool
+) -> None:
+    """A hundred more of a gain of seven million, of which no law holds to a hundredth."""
+    baseline = known_baseline()
+    both = known_fit(baseline, ["cogging", "spring_torque"], whole, coverage=0.99)
+    one = known_fit(baseline, ["cogging"], whole - 100.0, coverage=0.99)
+    found = _try(monkeypatch, both, one, shares=Repetitions(10, {("cogging", "spring_torque"): 10}))
+    assert found.chosen is (both if named else one)
