@@ -83,7 +83,7 @@ def test_decimal_commas_are_read_where_a_comma_is_no_delimiter(tmp_path: Path) -
 
 def test_another_delimiter_is_told_by_what_the_line_looks_like(tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text("0,1;0,2;0,3\n" * 20)
-    channels = "".join(f"{name} = {{ column = {k} }}\n" for k, name in enumerate(("time", "position", "torque")))
+    channels = "".join(f"{name} = {{ column = {k} }}\n" for k, name in enumerate(("time", "position", "torque"), 1))
     (tmp_path / "map.toml").write_text(f"[source]\nheader = false\n[channels]\n{channels}")
     with pytest.raises(RecordingError, match='delimiter = ";"'):
         convert(tmp_path / "log.csv", tmp_path / "out.csv", str(tmp_path / "map.toml"), force=True)
