@@ -39,6 +39,9 @@ _TURN = 2.0 * np.pi
 _TWO_TURNS = 2.0 * _TURN
 """Travel above which few joints of an arm are [rad]."""
 _ALL_BUT_OUTLIERS = (2, 98)
+_OFTEN_DEGREES = re.compile(r"ang|winkel|heading|yaw|pitch|roll|tilt", re.IGNORECASE)
+"""Names of positions that people log in degrees as often; a motor that turns and turns in a log without units is in SI,
+as nearly all that is called `q`, `theta` or `pos` there."""
 _PARTS = re.compile(r"[,;:]\s|\band\b|\bund\b")
 """Where a line goes on to another quantity: `angles in degrees, torques in mNm`."""
 _BESIDE_NUMBER = re.compile(r"\d\s*[\[(]?$")
@@ -175,7 +178,7 @@ def say_missing_unit(
     A column that is called as the channel is of a recording of our own, in radians.
 
     Raises:
-        RecordingError: In rad it would cover more turns than most joints do.
+        RecordingError: In rad it would cover more turns than most joints do, and its name is one of degrees as often.
     """
     column, meaning = own["position"]
     stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
@@ -185,7 +188,7 @@ def say_missing_unit(
     if told or counted or recording.metadata.motion != "rotary" or shows_radians(recording.position):
         return []
     travel = float(np.ptp(np.percentile(recording.position, _ALL_BUT_OUTLIERS)))
-    if travel > _TWO_TURNS:
+    if travel > _TWO_TURNS and _OFTEN_DEGREES.search(column):
         asked = shlex.quote(f"position={column.replace(meaning.joint, '{joint}') if joints > 1 else column}")
         raise RecordingError(
             f"{path}: nothing tells the unit of {column!r}, which covers {travel:.4g}, in rad {travel / _TURN:.1f} "

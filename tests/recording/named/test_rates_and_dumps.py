@@ -76,7 +76,17 @@ def test_a_gear_between_the_columns_is_no_unit_of_the_position(ratio: float, tmp
     assert read_content(path).recording.position == pytest.approx(POSITION, abs=2e-6)
 
 
-def test_a_position_of_many_turns_in_no_unit_is_asked_about(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "names", ["t,q,dq,tau", "time,pos,vel,torque", "Time,Position,Velocity,Torque", "time,theta,omega,tau"]
+)
+def test_a_motor_that_turns_and_turns_is_taken_in_rad_and_that_is_said(names: str, tmp_path: Path) -> None:
+    path = write(tmp_path, names, [TIME, 20.0 * POSITION, 20.0 * VELOCITY, TORQUE])
+    content = read_content(path)
+    assert content.recording.position == pytest.approx(20.0 * POSITION, abs=2e-6)
+    assert any("nothing tells the unit of" in one.message for one in content.findings)
+
+
+def test_an_angle_of_many_turns_in_no_unit_is_asked_about(tmp_path: Path) -> None:
     path = write(tmp_path, "t,angle,torque", [TIME, DEGREES * POSITION, TORQUE])
     with pytest.raises(RecordingError, match=r"nothing tells the unit of 'angle'.*--channel position=angle"):
         read_content(path)
