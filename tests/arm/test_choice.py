@@ -29,7 +29,8 @@ def test_links_nearer_the_simulation_are_written_where_they_go_less_wrong(
     plain: tuple[ArmExamination, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     examination, simulation = plain
-    monkeypatch.setattr(choice, "_CLEARLY", np.inf)
+    scores = iter([1.0, 0.1])  # as found, and nearer the simulation
+    monkeypatch.setattr(choice, "_score", lambda *_: next(scores))
     written = prepare_files(examination.answer, simulation)
     away, found = (
         float(np.abs(one.identification.fit.x[: 3 * N_INERTIA]).max()) for one in (written.answer, examination.answer)

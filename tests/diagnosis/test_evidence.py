@@ -312,7 +312,7 @@ def test_something_smooth_or_swinging_that_is_heard_is_unknown(
         (0.02, True, 1.0, True),
         (0.01, True, 1.0, False),  # the arithmetic of a simulator
         (0.01, False, 1.0, True),
-        (0.0005, False, 1.0, False),
+        (0.002, False, 1.0, False),
     ],
 )
 def test_what_is_left_must_matter_beside_the_friction(

@@ -115,6 +115,7 @@ class Effect(ABC):
         equation: Law of the effect, as the report prints it.
         citation: Key of its source in the references; empty where the law needs none.
         says: What is missing, in words for the report.
+        like_friction: Whether the form of a friction that turns over otherwise than ours looks like a small one of it.
         shown_at_rest: Whether rows about rest speak for it too, and not only those in which the joint slides.
         like_a_bristle: Whether it takes up what the form of the bristle leaves about rest.
         scales_torque: Whether it scales the torque by a factor that changes with time, but hardly over the whole
@@ -137,6 +138,7 @@ class Effect(ABC):
     equation: ClassVar[str]
     citation: ClassVar[str]
     says: ClassVar[str]
+    like_friction: ClassVar[bool] = False
     shown_at_rest: ClassVar[bool] = False
     like_a_bristle: ClassVar[bool] = False
     scales_torque: ClassVar[bool] = False

@@ -61,12 +61,14 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
-def is_trifling(held: Confirmation, baseline: Baseline) -> bool:
+def is_trifling(held: Confirmation, chosen: Explanation, baseline: Baseline) -> bool:
     """Whether no more goes from the plain held-out error, nor changes where the effects act, as a late torque does at
-    reversals alone, than what a user would care about in a recording without noise: a simulator's own arithmetic, or
-    what happens between two samples, is as much."""
+    reversals alone, than what a user would care about: the form of a friction that is not ours, a simulator's own
+    arithmetic, or what happens between two samples, is as much."""
     plain, level = held.plain, unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
-    return baseline.nulls.quiet and plain.size < GATES.trifle * level and plain.acting < GATES.material * level
+    may_be_form = any(candidate.effect.like_friction for candidate in chosen.structure.candidates)
+    part = level if baseline.nulls.quiet or may_be_form else GATES.heard * level
+    return plain.size < GATES.trifle * part and plain.acting < GATES.material * part
 
 
 def find_vibration(baseline: Baseline) -> Tone | None:
@@ -118,4 +120,7 @@ def matters(baseline: Baseline) -> bool:
     if baseline.nulls.quiet:
         return share > GATES.material
     spread = float(np.median(np.concatenate(baseline.nulls.weights.spread)))
-    return share > GATES.least and left > GATES.phase * float(np.sqrt(1.0 - baseline.nulls.of_torque)) * spread
+    return (
+        share > GATES.heard * GATES.material
+        and left > GATES.phase * float(np.sqrt(1.0 - baseline.nulls.of_torque)) * spread
+    )

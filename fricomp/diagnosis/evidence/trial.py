@@ -79,7 +79,7 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections | forms)
         objections |= against
-        if held.plain.explained < NEEDS.trace or is_trifling(held, baseline):
+        if held.plain.explained < NEEDS.trace or is_trifling(held, tried, baseline):
             return Trial(repetitions, failed=tried, objections=objections | forms, immaterial=True)
         unfit |= own.keys()
         tried = _find_rest(found, set(tried.names) - set(against))
@@ -117,7 +117,7 @@ def _list_objections(
     baseline: Baseline, found: SearchResult, tried: Explanation, held: Confirmation, repetitions: Repetitions
 ) -> dict[str, str]:
     """Say for each name what speaks against it besides its own numbers; nothing for those that lack nothing."""
-    if is_trifling(held, baseline):
+    if is_trifling(held, tried, baseline):
         return dict.fromkeys(tried.names, f"it takes away less than {GATES.trifle:.1%} of the Coulomb torque")
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"

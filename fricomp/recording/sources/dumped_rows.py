@@ -18,9 +18,7 @@ _ROW = re.compile(r"\(((?:'[^']*'|[^()'])*+)\)")
 _CREATE = re.compile(
     r"\bCREATE\s+TABLE\s+(?:IF\s+NOT\s+EXISTS\s+)?([^\s(]+)\s*\(((?:[^();]|\([^()]*\))*+)\)", re.IGNORECASE
 )
-_COPY = re.compile(
-    r"^COPY\s+([^\s(]+)\s*\(([^()]*)\)\s+FROM\s+stdin;[^\n]*\n((?:(?!\\\.).*\n)*)", re.IGNORECASE | re.M
-)
+_COPY = re.compile(r"^COPY\s+([^\s(]+)\s*\(([^()]*)\)\s+FROM\s+stdin;[^\n]*\n((?:(?!\\\.).*\n)*)", re.IGNORECASE | re.M)
 """Rows between tabs, as PostgreSQL dumps them."""
 _OF_TABLE = ("primary", "unique", "key", "constraint", "foreign", "index", "check")
 """First words of what a table is told beside its columns."""

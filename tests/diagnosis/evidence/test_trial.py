@@ -76,7 +76,14 @@ def test_what_no_plain_error_shows_is_nothing_that_is_missing(monkeypatch: pytes
 
 @pytest.mark.parametrize(
     ("part", "acting", "quiet", "named"),
-    [(0.003, 0.008, True, False), (0.003, 0.02, True, True), (0.03, 0.03, True, True), (0.003, 0.008, False, True)],
+    [
+        (0.003, 0.008, True, False),
+        (0.003, 0.02, True, True),
+        (0.03, 0.03, True, True),
+        (0.003, 0.008, False, True),
+        (0.002, 0.004, False, False),
+        (0.002, 0.006, False, True),
+    ],
 )
 def test_what_nobody_would_miss_has_no_name_where_nothing_hides_it(
     monkeypatch: pytest.MonkeyPatch, part: float, acting: float, quiet: bool, named: bool

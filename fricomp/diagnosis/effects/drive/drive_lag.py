@@ -22,6 +22,7 @@ class DriveLag(Effect):
     equation = "tau = tau_command / (1 + T s / n)^n"
     citation = "hollerbach2016"
     says = "the torque that acts follows the recorded one through a low pass"
+    like_friction = True
     forms: ClassVar[tuple[tuple[float, float], ...]] = ((1.0, 1.0), (2.0, 1.0), (2.0, 0.7))
     """Order n of the low pass and its damping ratio D: once or twice the first order, and as loops are tuned that
     hardly overshoot."""

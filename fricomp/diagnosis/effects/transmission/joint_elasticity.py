@@ -25,6 +25,7 @@ class JointElasticity(Effect):
     equation = "J_l theta'' = K (q - theta) + d (q' - theta') - gravity"
     citation = "spong1987"
     says = "the transmission is flexible"
+    like_friction = True
     stiffness_step: ClassVar[float] = 0.2
     """Change of the logarithm of the stiffness that matters."""
     stiffness_form: ClassVar[float] = 0.15
