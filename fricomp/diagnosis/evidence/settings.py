@@ -76,8 +76,8 @@ class GateSettings:
             reported. Loops that chatter at the steps of an encoder make torque that hangs on their phase against the
             sampling, which nobody knows: three joints with nothing missing left 0.53 to 0.59.
         heard: Part of `trifle` and `material` that counts in recordings with noise, but of what the form of a friction
-            may look like. Joints whose friction is a hyperbolic tangent of the speed had a soft gear of 0.1 to 0.3 % of it;
-            concealed effects as large as the noise were 0.24 to 0.30 %.
+            may look like. Joints whose friction is a hyperbolic tangent of the speed had a soft gear of 0.1 to 0.3 %
+            of it; concealed effects as large as the noise were 0.24 to 0.30 %.
         least: What an inertia or gravity that is off must change in recordings with noise, in the Coulomb torque.
         tone: Strength of a line in the spectrum, over the strongest line of a null, from which it is a vibration.
         alone: Part of the energy beyond the noise that such a line must hold: what follows the motion has many lines.
