@@ -132,7 +132,7 @@ class NeedSettings:
     """
 
     sure: float = 0.95
-    share: float = 0.9
+    share: float = 0.85
     plain: float = 0.5
     dwarfed: float = 0.01
     trace: float = 0.05
