@@ -193,11 +193,10 @@ def _require_arm(files: Sequence[str], simulation: Path, options: ArmOptions) ->
 
 def _is_fleet(files: Sequence[str]) -> bool:
     from fricomp.fleet import is_joint_table
-    from fricomp.recording.named.quantity_files import is_quantity_folder
-    from fricomp.recording.named.source import is_bag_folder
+    from fricomp.recording.named.quantity_files import is_log_folder
 
     only = Path(files[0])
-    is_folder = only.is_dir() and not (is_bag_folder(only) or is_quantity_folder(only))
+    is_folder = only.is_dir() and not is_log_folder(only)
     several = len(files) > 1 or is_folder or is_joint_table(files[0])
     return several or (not only.exists() and any(character in files[0] for character in "*?["))
 

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.errors import RecordingError
-from fricomp.recording.named.quantity_files import is_quantity_folder
-from fricomp.recording.named.source import is_bag_folder
+from fricomp.recording.named.quantity_files import is_log_folder
 from fricomp.recording.sources.table import refuse_data_set
 from fricomp.result_kinds import FLEET
 from fricomp.untrusted import parse_toml, read_whole
@@ -57,7 +56,7 @@ def find_recordings(sources: Sequence[str]) -> list[Path]:
     found: list[Path] = []
     for source in sources:
         path = Path(source)
-        if path.is_dir() and not (is_bag_folder(path) or is_quantity_folder(path)):
+        if path.is_dir() and not is_log_folder(path):
             matches = sorted(p for p in path.iterdir() if p.suffix.lower() in _SUFFIXES and not _is_other_table(p))
         elif any(character in source for character in _MAGIC) and not path.exists():
             matches = sorted(p for p in map(Path, glob(source, recursive=True)) if not _is_other_table(p))

@@ -16,8 +16,8 @@ from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.named.joint_name import select_joint
 from fricomp.recording.named.log import NamedLog, read_named_log
 from fricomp.recording.named.native import is_native
-from fricomp.recording.named.quantity_files import is_quantity_folder
-from fricomp.recording.named.source import is_bag_folder, read_first_lines
+from fricomp.recording.named.quantity_files import is_log_folder
+from fricomp.recording.named.source import read_first_lines
 from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources.text import read_lines
@@ -112,7 +112,7 @@ def read_content(
     """
     if not path.exists():
         raise RecordingError(f"no recording at {path}: check the path")
-    if path.is_dir() and not (is_bag_folder(path) or is_quantity_folder(path)):
+    if path.is_dir() and not is_log_folder(path):
         raise RecordingError(f"{path} is a folder: name the recording inside it")
     if channels or not is_own(path):
         asked = (joint, simulated)

@@ -65,7 +65,7 @@ def is_trifling(held: Confirmation, chosen: Explanation, baseline: Baseline) -> 
     """Whether no more goes from the plain held-out error, nor changes where the effects act, as a late torque does at
     reversals alone, than what a user would care about: the form of a friction that is not ours, a simulator's own
     arithmetic, or what happens between two samples, is as much."""
-    plain, level = held.plain, unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+    plain, level = held.plain, _find_level(baseline)
     may_be_form = any(candidate.effect.like_friction for candidate in chosen.structure.candidates)
     part = level if baseline.nulls.quiet or may_be_form else GATES.heard * level
     return plain.size < GATES.trifle * part and plain.acting < GATES.material * part
@@ -107,9 +107,8 @@ def stands_out(found: SearchResult, baseline: Baseline, *, covered: bool = False
 def measure_left(baseline: Baseline) -> tuple[float, float]:
     """Measure what the base leaves beyond the noise in a typical row: in [N·m] or [N], and in the Coulomb torque; all
     of it where the joint shows none."""
-    spread = np.concatenate(baseline.nulls.weights.spread)
-    left = float(np.sqrt(max(baseline.noise_ratio**2 - 1.0, 0.0)) * np.median(spread))
-    level = unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+    left = float(np.sqrt(max(baseline.noise_ratio**2 - 1.0, 0.0))) * _measure_spread(baseline)
+    level = _find_level(baseline)
     return left, left / level if level > 0.0 else np.inf
 
 
@@ -119,8 +118,15 @@ def matters(baseline: Baseline) -> bool:
     left, share = measure_left(baseline)
     if baseline.nulls.quiet:
         return share > GATES.material
-    spread = float(np.median(np.concatenate(baseline.nulls.weights.spread)))
-    return (
-        share > GATES.heard * GATES.material
-        and left > GATES.phase * float(np.sqrt(1.0 - baseline.nulls.of_torque)) * spread
-    )
+    by_steps = float(np.sqrt(1.0 - baseline.nulls.of_torque)) * _measure_spread(baseline)
+    return share > GATES.heard * GATES.material and left > GATES.phase * by_steps
+
+
+def _find_level(baseline: Baseline) -> float:
+    """Coulomb torque of the base [N·m] or [N]."""
+    return unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+
+
+def _measure_spread(baseline: Baseline) -> float:
+    """Noise of a typical row [N·m] or [N]."""
+    return float(np.median(np.concatenate(baseline.nulls.weights.spread)))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from ..effects import EFFECTS
 from ..search.choice import choose, rank_acceptable
 from ..search.explanation import Explanation
@@ -101,16 +103,18 @@ def leave_out_unfit(baseline: Baseline, found: SearchResult, trial: Trial) -> Se
 
 def _find_shown(found: SearchResult, tried: Explanation) -> frozenset[str]:
     """Effects without which, all others fitted anew, overwhelmingly less is explained."""
-    gains = {name: _find_gain(found, set(tried.names) - {name}) for name in tried.names}
     least = GATES.overwhelming * found.threshold
-    return frozenset(name for name, gain in gains.items() if gain is not None and tried.certain - gain > least)
+    return frozenset(name for name, gain in _measure_without(found, tried).items() if tried.certain - gain > least)
 
 
-def _find_gain(found: SearchResult, names: set[str]) -> float | None:
-    """Largest certain gain of exactly these effects, whatever speaks against them; None where they were not fitted."""
-    if not names:
-        return 0.0
-    return max((one.certain for one in found.explanations if set(one.names) == names), default=None)
+def _measure_without(found: SearchResult, tried: Explanation) -> dict[str, float]:
+    """Largest certain gain of exactly the others, by effect, whatever speaks against them, where they were fitted."""
+    gains = {frozenset[str](): 0.0}
+    for one in found.explanations:
+        names = frozenset(one.names)
+        gains[names] = max(one.certain, gains.get(names, -np.inf))
+    without = {name: frozenset(tried.names) - {name} for name in tried.names}
+    return {name: gains[others] for name, others in without.items() if others in gains}
 
 
 def _list_objections(
@@ -133,10 +137,9 @@ def _list_objections(
 def _find_dwarfed(found: SearchResult, tried: Explanation) -> dict[str, str]:
     """Effects that add less than the law of the others holds to: a stop of 400 times the noise leaves something of any
     form."""
-    gains = {name: _find_gain(found, set(tried.names) - {name}) for name in tried.names}
     least = (1.0 - NEEDS.dwarfed**2) * tried.certain
     said = f"it takes away less than {NEEDS.dwarfed:.0%} of what the others do, as much as their own form may leave"
-    return {name: said for name, gain in gains.items() if gain is not None and gain > least}
+    return {name: said for name, gain in _measure_without(found, tried).items() if gain > least}
 
 
 def _find_forms(baseline: Baseline, found: SearchResult, tried: Explanation) -> dict[str, str]:

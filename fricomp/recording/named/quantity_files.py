@@ -18,6 +18,11 @@ from .times.clock import find_stamps
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 
 
+def is_log_folder(path: Path) -> bool:
+    """Whether a path is a folder that is one log: a bag, or a file for each quantity."""
+    return is_bag_folder(path) or is_quantity_folder(path)
+
+
 def is_quantity_folder(path: Path) -> bool:
     """Whether a path is a folder that is one log, with a file for each quantity."""
     if not path.is_dir() or is_bag_folder(path):

@@ -44,9 +44,8 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     """The lines as they are, or those of a table with the same numbers.
 
     Rows of data bases and of pages, variables of Octave, rows in brackets, rows that label each number, messages of
-    ROS as they are printed, samples of
-    Prometheus, lines behind the time at which they arrived, elements of XML, a channel a line, and cells with units
-    become plain rows below one line of names.
+    ROS as they are printed, samples of Prometheus, lines behind the time at which they arrived, elements of XML, a
+    channel a line, and cells with units become plain rows below one line of names.
 
     Args:
         lines: Of a text.

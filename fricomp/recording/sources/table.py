@@ -58,7 +58,8 @@ def read_table(path: Path, source: Source) -> Contents:
         names = table.column_names
     except (pyarrow.ArrowException, UnicodeDecodeError) as error:
         raise RecordingError(f"{path} is no table of Parquet or Arrow: {error}") from error
-    named = _entry_names(path)
+    info = _read_info(path)
+    named = _entry_names(info)
     columns: Columns = {}
     words: dict[str, list[str]] = {}
     said = _find_name_lists(table)
@@ -72,7 +73,7 @@ def read_table(path: Path, source: Source) -> Contents:
         columns.update(_columns_by_names(name, values, said.get(name.rpartition(".")[0], [])))
         if any(isinstance(value, str) for value in values):
             words[name] = [value or "" for value in values]
-    rate = _read_info(path).get("fps")
+    rate = info.get("fps")
     if "frame_index" in columns and "timestamp" not in columns and isinstance(rate, int | float) and rate > 0:
         columns["timestamp"] = columns["frame_index"] / rate
     return Contents(columns, words)
@@ -167,9 +168,9 @@ def _read_words(name: str, values: list[Any]) -> Columns:
     return {name: np.array([read_number(value) if value else np.nan for value in values])}
 
 
-def _entry_names(path: Path) -> dict[str, list[str]]:
+def _entry_names(info: dict[str, Any]) -> dict[str, list[str]]:
     """What the data set calls the entries of its columns; nothing where it does not say."""
-    features = _read_info(path).get("features")
+    features = info.get("features")
     features = features if isinstance(features, dict) else {}
     return {name: _flat(one.get("names")) for name, one in features.items() if isinstance(one, dict)}
 

@@ -88,8 +88,8 @@ def test_what_no_plain_error_shows_is_nothing_that_is_missing(monkeypatch: pytes
 def test_what_nobody_would_miss_has_no_name_where_nothing_hides_it(
     monkeypatch: pytest.MonkeyPatch, part: float, acting: float, quiet: bool, named: bool
 ) -> None:
-    """A log without noise: all of a difference is seen, and it is a few thousandths of the friction, also where the
-    effect acts, which at reversals alone may be more."""
+    """A few thousandths of the friction, also where the effect acts, which at reversals alone may be more; in a log
+    without noise, where all of a difference is seen, twice as much as in others."""
     both, one = _two()
     level = unpack(one.fit.theta[: len(BASE_NAMES)]).level
     size, shares = part * level, Repetitions(10, {("cogging",): 10})
