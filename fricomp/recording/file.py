@@ -205,14 +205,20 @@ def _select_moving(path: Path, log: NamedLog) -> tuple[Recording, str]:
     Raises:
         RecordingError: Several move.
     """
-    most = max(float(np.ptp(one.position)) for one in log.recordings)
-    moving = [one for one in log.recordings if np.ptp(one.position) > _RESTS * most]
     if len(log.recordings) == 1:
         return log.recordings[0], ""
+    moving = _list_moving(log)
     if len(moving) != 1:
         raise RecordingError(_list_joints(path, log))
-    name = moving[0].metadata.joint
-    return moving[0], f"{path.name}: of {len(log.recordings)} joints {name} alone moves, and was taken"
+    (name,) = moving
+    found = next(one for one in log.recordings if one.metadata.joint == name)
+    return found, f"{path.name}: of {len(log.recordings)} joints {name} alone moves, and was taken"
+
+
+def _list_moving(log: NamedLog) -> list[str]:
+    """The joints of a log that do not rest while another one moves."""
+    ways = {one.metadata.joint: float(np.ptp(one.position)) for one in log.recordings}
+    return [name for name, way in ways.items() if way > _RESTS * max(ways.values())]
 
 
 def _select_joint(path: Path, log: NamedLog, wanted: str, simulated: Sequence[str]) -> tuple[Recording, str]:
@@ -231,19 +237,20 @@ def _select_joint(path: Path, log: NamedLog, wanted: str, simulated: Sequence[st
         said = " ".join(f"--channel {shlex.quote(f'{channel}={column}')}" for channel, column in own.items() if column)
         raise RecordingError(f"{path} is the log of joint {other!r}: where that is {wanted!r}, say so by {said}")
     if name is None:
-        raise RecordingError(_list_joints(path, log, wanted))
+        raise RecordingError(_list_joints(path, log, wanted, in_simulation=bool(simulated)))
     found = recordings[name].with_metadata(joint=wanted)
     is_plain = name in (wanted, RecordingMetadata().joint)
     return found, "" if is_plain else f"{path.name}: its joint {name!r} was taken for {wanted!r}"
 
 
-def _list_joints(path: Path, log: NamedLog, wanted: str = "") -> str:
-    names = ", ".join(one.metadata.joint for one in log.recordings)
+def _list_joints(path: Path, log: NamedLog, wanted: str = "", *, in_simulation: bool = False) -> str:
+    """What a log of several joints holds, and how one of them is taken."""
+    names, moving = [one.metadata.joint for one in log.recordings], _list_moving(log)
+    option, name, rest = ("--match", "LOGGED", f"={wanted}") if in_simulation else ("--joint", "NAME", "")
+    such = f", such as {option} {moving[0]}{rest}, which alone moves" if wanted and len(moving) == 1 else ""
     none = f", none of them clearly {wanted!r}" if wanted else ""
-    return (
-        f"{path} is the log of {len(log.recordings)} joints, {names}{none}: give the --simulation of their arm, or "
-        "take one by --joint NAME"
-    )
+    arm = "say which is by" if in_simulation else "give the --simulation of their arm, or take one by"
+    return f"{path} is the log of {len(names)} joints, {', '.join(names)}{none}: {arm} {option} {name}{rest}{such}"
 
 
 def _suffix(path: Path) -> str:

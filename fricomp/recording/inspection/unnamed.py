@@ -1,7 +1,7 @@
 """What columns without names look like, and a mapping to edit: which one rises as a time, which follow each other."""
 
-import json
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -10,15 +10,15 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.joint_fit import fit_joint
-from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit
+from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit, says_current
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
 from fricomp.recording.named.head_fact import fill_head_facts
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.named.times.clock import TICK, find_stamps
+from fricomp.recording.named.times.row_rate import estimate_row_rate
 from fricomp.recording.named.times.stamp_unit import TIME_UNITS, are_known_ticks
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
-from fricomp.recording.sources.text_layout import TextLayout
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
@@ -70,12 +70,14 @@ class Guess(NamedTuple):
         unit: Of it; empty where it counts ticks of a size that is not known.
         joints: In the order of their positions.
         nanoseconds: Name of the column beside one of whole seconds; empty where the time is one column.
+        rate: Rows a second [Hz], where no column is a time and a velocity beside a position tells it; else 0.
     """
 
     time: str
     unit: str
     joints: tuple[GuessedJoint, ...]
     nanoseconds: str = ""
+    rate: float = 0.0
 
 
 def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = ()) -> Guess:
@@ -88,19 +90,20 @@ def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = ()) -
     rows = max((values.size for values in columns.values()), default=0)
     whole = {name: values for name, values in columns.items() if values.size == rows and np.ptp(_finite(values)) > 0.0}
     time, unit, seconds, nanoseconds = _find_time(whole)
-    if not time:
-        return Guess("", "s", ())
+    seconds = seconds if time else np.arange(rows, dtype=np.float64)
     used = (time, nanoseconds)
     others = {name: values for name, values in whole.items() if name not in used and np.isfinite(values).all()}
-    pairs = _find_pairs(seconds, others)[:_MOST_JOINTS]
+    pairs = _find_pairs(seconds, others, any_scale=not time)[:_MOST_JOINTS]
+    rate = (estimate_row_rate(others, *pairs[0][:2]) if pairs and not time else None) or 0.0
+    seconds = seconds / (rate or 1.0)
     taken = {name for pair in pairs for name in pair[:2]} | set(known)
     left = {name: values for name, values in others.items() if name not in taken}
     joints = [
-        GuessedJoint(position, velocity, _find_torque(seconds, others[position], left)[0], scale)
+        GuessedJoint(position, velocity, _find_torque(seconds, others[position], left)[0], scale * (rate or 1.0))
         for position, velocity, scale in pairs
-    ] or _find_without_velocity(seconds, others, left)
+    ] or (_find_without_velocity(seconds, others, left) if time else [])
     in_order = tuple(sorted(joints, key=lambda one: list(columns).index(one.position)))
-    return Guess(time, unit, in_order, nanoseconds)
+    return Guess(time, unit, in_order, nanoseconds, rate)
 
 
 def _find_time(columns: Mapping[str, Samples]) -> tuple[str, str, Samples, str]:
@@ -160,8 +163,14 @@ def _says_other(name: str) -> bool:
     return not name.isdigit() and not find_stamps([name])
 
 
-def _find_pairs(time: Samples, columns: Mapping[str, Samples]) -> list[tuple[str, str, float]]:
-    """Position, velocity, and how much faster the former moves than the latter says; the surest pairs first."""
+def _find_pairs(time: Samples, columns: Mapping[str, Samples], *, any_scale: bool) -> list[tuple[str, str, float]]:
+    """Position, velocity, and how much faster the former moves than the latter says; the surest pairs first.
+
+    Args:
+        time: Shape (n_rows,).
+        columns: By name; shape (n_rows,) each.
+        any_scale: Whether a velocity may be off by any factor, since the rate of the rows is not known.
+    """
     width = max(3, time.size // _BLOCKS)
     count = time.size // width
     if count < 20 or len(columns) < 2:
@@ -179,7 +188,7 @@ def _find_pairs(time: Samples, columns: Mapping[str, Samples]) -> list[tuple[str
             break
         if a != b and not any(names[k] in pair[:2] for pair in found for k in (a, b)):
             scale = float(rates[a] @ blocks[b] / (blocks[b] @ blocks[b]))
-            if any(abs(scale / factor - 1.0) < _NEAR for factor in _FACTORS):
+            if any_scale or any(abs(scale / factor - 1.0) < _NEAR for factor in _FACTORS):
                 found.append((names[a], names[b], scale))
     return found
 
@@ -225,7 +234,8 @@ def render_guess(
         return fill_head_facts(path, line, name)
 
     lines = [f"# {path.name}: a guess by what the numbers do and the names of its columns say. Correct it.", ""]
-    lines += [*_describe_text(path, layout, numbered=numbered), ""] if layout is not None else []
+    if layout is not None:
+        lines += [*describe_source(path, replace(layout, names=()) if numbered else layout), ""]
     lines += ["[metadata]", *_describe_facts(guess), "", "[channels]"]
     if guess.time:
         column = str if numbered else lambda name: render_column(name, layout)
@@ -233,7 +243,9 @@ def render_guess(
         worth = f'unit = "{guess.unit}"' if guess.unit else "scale = 1/TICKS_A_SECOND"
         lines += [f"time = {{ column = {column(guess.time)}, {worth}{rest}, from_zero = true }}"]
     else:
-        lines += ["time = { rate = ROWS_A_SECOND }  # no column is seen to be a time"]
+        by = "; this rate makes one column the velocity of another, if they are in one unit" if guess.rate else ""
+        rate = f"{guess.rate:g}" if guess.rate else "ROWS_A_SECOND"
+        lines += [f"time = {{ rate = {rate} }}  # no column is seen to be a time{by}"]
     several = len(guess.joints) > 1
     for number, joint in enumerate(guess.joints, start=1):
         lines += ["", "[[joints]]", f'name = "joint_{number}"'] if several else []
@@ -264,7 +276,7 @@ def _find_si(name: str) -> str:
     """The unit of SI of what a name says; empty where it says none."""
     meaning = read_column_name(name) or read_column_unit(name)
     if meaning is None or meaning.unit in (RAW_UNIT, UNKNOWN_UNIT, ""):
-        return "A" if meaning is not None and meaning.channel == "current" else ""
+        return "A" if says_current(name) or (meaning is not None and meaning.channel == "current") else ""
     return find_unit(meaning.unit).si
 
 
@@ -275,11 +287,3 @@ def _read_stated_unit(name: str) -> tuple[str, bool]:
         return "", False
     asked = meaning.unit in (RAW_UNIT, UNKNOWN_UNIT)
     return "" if asked else meaning.unit, asked
-
-
-def _describe_text(path: Path, layout: TextLayout, *, numbered: bool) -> list[str]:
-    if not numbered:
-        return describe_source(path, layout)
-    lines = ["[source]", "header = false", f"delimiter = {json.dumps(layout.delimiter)}"]
-    lines += [f"skip_lines = {layout.rows_line}"] if layout.rows_line else []
-    return lines if layout.delimiter == "," else [*lines, 'decimal = ","  # "." where numbers have points']

@@ -20,6 +20,7 @@ from .column import (
     name_joint,
     read_column_name,
     read_column_unit,
+    says_current,
     simplify_joint,
     without_observation,
 )
@@ -184,7 +185,8 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
                 joint = "_".join([*without_observation(wanted).split(".")[:-1], joint])
             said = find_unit_words(name, -1)
             unit = unit_for(channel, said[0].unit) if said else ""
-            return ColumnMeaning(channel, joint, 3, meaning.unit if meaning else unit)
+            unit = meaning.unit if meaning else unit
+            return ColumnMeaning(channel, joint, 3, "A" if channel == "torque" and says_current(name) else unit)
     return None
 
 

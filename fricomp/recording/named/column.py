@@ -182,6 +182,16 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), -1, unit_for(kind, said[0].unit))
 
 
+def says_current(name: str) -> bool:
+    """Whether a column that stands for a torque is a current without a unit: `current`, or the letter `i` alone.
+
+    The letter is as often a number of rows, so that it is none of its own accord.
+    """
+    meaning = read_column_name(name)
+    is_letter = re.split(r"[/.]", name)[-1].strip().lower() == "i"
+    return is_letter or (meaning is not None and meaning.channel == "current" and not meaning.unit)
+
+
 def says_counts(name: str) -> bool:
     """Whether a word of a name is a unit of a device, and not only that it is an encoder's."""
     return any(word in (*_RAW, "cpr") and word not in _ENCODER[:2] for word, _ in split_words(name))

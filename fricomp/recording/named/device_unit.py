@@ -11,7 +11,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
 from fricomp.recording.validity import Samples
 
-from .column import RAW_UNIT, ColumnMeaning, says_counts
+from .column import RAW_UNIT, ColumnMeaning, read_column_name, says_counts
 from .head_fact import find_counts_beside, say_head_facts
 
 _FAR = 8.0 * np.pi
@@ -142,8 +142,8 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
             f"{path}: {column!r} is in {share} of the rated {what} of the motor: write "
             f"{'torque' if of_current else channel} = {{ column = {column!r}, scale = RATED/{parts} }} in a mapping "
             f"with the number worked out, RATED that {what} in {'A' if of_current else 'N·m'} (on its plate, in the "
-            f"settings of the drive), {behind}; and say there what one of the position is ('fricomp convert LOG "
-            "--inspect --out log.toml' begins one)"
+            f"settings of the drive), {behind}{_ask_position(beside)} ('fricomp convert LOG --inspect --out log.toml' "
+            "begins one)"
         )
     is_angle = channel in ("position", "motor_position")
     is_whole = column not in beside or _are_whole(beside[column])
@@ -164,6 +164,14 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
         f"{channel} = {{ column = {column!r}, scale = VALUE_OF_ONE }}, and the other columns beside it "
         "('fricomp convert LOG --inspect' shows them)"
     )
+
+
+def _ask_position(beside: Mapping[str, Samples]) -> str:
+    """That a position is to be told as well, where it is in units of a device too."""
+    said = {name: one for name in beside if (one := read_column_name(name)) is not None}
+    positions = {name: one for name, one in said.items() if one.channel in ("position", "motor_position")}
+    is_asked = any(one.unit == RAW_UNIT or are_counts(name, beside[name]) for name, one in positions.items())
+    return "; and say there what one of the position is" if is_asked else ""
 
 
 def are_counts(name: str, values: Samples) -> bool:

@@ -18,7 +18,6 @@ from fricomp.recording.validity import Samples, drop_bad_rows, drop_twins, mend_
 
 from .choice import INTEGRAL, TORQUES, choose_columns
 from .column import RAW_UNIT, ColumnMeaning, name_joint
-from .current_size import say_current_size
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import are_counts, explain_unit, find_rating_parts, refuse_axis
 from .episodes import join_episodes
@@ -29,8 +28,9 @@ from .quantity_files import is_quantity_folder, read_quantity_files
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_named_columns
 from .sparse import join_sparse
-from .times.clock import find_stamps, read_times
+from .times.clock import AT_RATE, find_stamps, read_times
 from .torque_constant import say_torque_constant
+from .torque_size import say_torque_size
 from .unstated import refuse_unstated, say_missing_unit, settle_units
 from .vendor import find_drive_of_turns
 
@@ -127,7 +127,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     first = recordings[0].metadata
     if first.torque_unit == "A":
         notes += say_torque_constant(path, columns, sources[first.joint]["torque"][0])
-        notes += say_current_size(path, recordings[0], sources[first.joint])
+    notes += say_torque_size(path, recordings[0], sources[first.joint])
     notes.append(_say_columns(path, recordings, sources))
     notes += say_left_out(path, columns, sources)
     unsaid = [say_missing_unit(path, one, sources[one.metadata.joint], len(recordings)) for one in recordings]
@@ -252,6 +252,16 @@ def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
     }
 
 
+def _say_column(channel: str, column: str, meaning: ColumnMeaning, recording: Recording) -> str:
+    """What a column was taken for; without a unit in its name in that of SI."""
+    if column == INTEGRAL:
+        return f"{channel} from the integral of velocity, so that gravity and cogging are told from no zero"
+    if column.startswith(AT_RATE):
+        return f"{channel} of the rows{column}"
+    unit = meaning.unit and f" in {meaning.unit}"
+    return f"{channel} {column!r}{unit or _as_si(channel, recording)}"
+
+
 def _as_si(channel: str, recording: Recording) -> str:
     """The unit of SI that a column without one in its name is taken in."""
     unit = {"position": recording.metadata.position_unit, "torque": recording.metadata.torque_unit}.get(channel)
@@ -284,9 +294,7 @@ def _say_columns(
     """One sentence on what was taken for what, with the units that names state."""
     first = recordings[0]
     said = [
-        f"{channel} {column!r}" + (f" in {meaning.unit}" if meaning.unit else _as_si(channel, first))
-        if column != INTEGRAL
-        else f"{channel} from the integral of velocity, so that gravity and cogging are told from no zero"
+        _say_column(channel, column, meaning, first)
         for channel, (column, meaning) in sources[first.metadata.joint].items()
         if channel in first.channels
     ]

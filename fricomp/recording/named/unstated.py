@@ -20,7 +20,7 @@ from .device_unit import are_counts
 from .head_fact import read_head_lines
 from .times.stamp_unit import read_time_unit
 
-_SURE = 3
+SURE = 3
 """Certainty of a column that the user has named."""
 _FINER = 5.0
 """How much farther than its velocity says a position without a unit moves that is in no rad of the joint: a motor that
@@ -33,8 +33,8 @@ _RARE = ("mrad/s", "mdeg/s", "krpm", "in/s")
 """Units of a velocity that none is in without saying so."""
 _COUNTED, _POWERS = ("ms", "us", "ns"), (-2, -1, 1, 2)
 """Units of time that were guessed by steps, and the powers of ten by which these miss: counters of 0.1 ms, of 10 us."""
-_RADIANS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
-"""Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians."""
+STATED_BY_MANUALS = re.compile(r"effort|qfrc_|tau_J|actual_current", re.IGNORECASE)
+"""Torques of ROS, MuJoCo, Franka and UR, whose manuals state radians, and N·m."""
 _TURN = 2.0 * np.pi
 _TWO_TURNS = 2.0 * _TURN
 """Travel above which few joints of an arm are [rad]."""
@@ -78,7 +78,7 @@ def refuse_unstated(path: Path, recording: Recording, own: Mapping[str, tuple[st
 def _is_silent(channel: str, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
     """Whether a channel has a column whose unit neither its name nor the user says."""
     column, meaning = own.get(channel, ("", None))
-    is_said = meaning is None or meaning.unit or meaning.certainty >= _SURE
+    is_said = meaning is None or meaning.unit or meaning.certainty >= SURE
     return bool(column) and not is_said and not find_unit_words(column, -1)
 
 
@@ -134,6 +134,11 @@ def settle_units(
     if compared is None or compared[1] < _ALIKE or abs(compared[0] - 1.0) < _SAME_UNIT:
         return recording, []
     silent = [channel for channel in ("position", "velocity") if _is_silent(channel, own)]
+    if not silent and _is_per_second(own["velocity"]) and abs(compared[0] * _TURN - 1.0) < _SAME_UNIT:
+        own["velocity"] = (own["velocity"][0], replace(own["velocity"][1], unit="rad/s"))
+        return recording.with_channels(velocity=np.asarray(recording.velocity) / _TURN), [
+            f"{path.name}: {own['velocity'][0]!r} was taken to be in rad/s, by {own['position'][0]!r}."
+        ]
     unit = _find_unit_by_rate(compared[0], recording, own, silent)
     if unit is not None:
         channel = kind_of_unit(unit)
@@ -153,6 +158,11 @@ def settle_units(
         f"time = {{ {rule} }} in a mapping; where the velocity is that of another side of a gear, leave its line out "
         "('fricomp convert LOG --inspect --out log.toml' begins one)"
     )
+
+
+def _is_per_second(velocity: tuple[str, ColumnMeaning]) -> bool:
+    """Whether a velocity is called as `rps`, which is read as turns and may be radians a second."""
+    return any(word.text.lower() == "rps" for word in find_unit_words(velocity[0], -1)) and velocity[1].unit != "rad/s"
 
 
 def _find_unit_by_rate(
@@ -183,7 +193,7 @@ def say_missing_unit(
     column, meaning = own["position"]
     stated = any(find_unit_words(own[one][0], -1) for one in ("position", "velocity") if one in own)
     ours = column == INTEGRAL or (column == "position" and own["torque"][0] == "torque")
-    told = stated or meaning.unit or meaning.certainty >= _SURE or ours or _RADIANS.search(own["torque"][0])
+    told = stated or meaning.unit or meaning.certainty >= SURE or ours or STATED_BY_MANUALS.search(own["torque"][0])
     counted = are_counts(column, recording.position)  # which the checks ask about
     if told or counted or recording.metadata.motion != "rotary" or shows_radians(recording.position):
         return []

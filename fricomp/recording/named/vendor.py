@@ -1,7 +1,7 @@
 """Names that the tools of drives write themselves, whose units their manuals state."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -67,6 +67,8 @@ _VESC = frozenset({"ms_today", "erpm", "encoder_position", "q_axis_current"})
 """Columns of the logs that VESC Tool writes: degrees of an encoder, and the current that makes the torque."""
 _MUJOCO = re.compile(r"(?:^|[./])actuator_force[\[_:.]?(\d*)\]?$")
 """What MuJoCo calls forces and torques of actuators alike."""
+_GAZEBO = re.compile(r"(?:^|.*\.)([^.]+)\.axis1\.(?:position|velocity|force)$")
+"""Motion of a joint of Gazebo, whose torque is called a force too."""
 
 
 _MOTEUS_FIELDS = frozenset({"mode", "position", "velocity", "torque"})
@@ -115,6 +117,16 @@ def read_vendor_name(name: str, beside: Mapping[str, Samples]) -> ColumnMeaning 
     return _read_odrive_name(name, beside)
 
 
+def _read_simulated(name: str, meaning: ColumnMeaning, beside: Collection[str]) -> ColumnMeaning | None:
+    """What MuJoCo and Gazebo write of a joint, whose torque they call a force too; None of any other column."""
+    mujoco, gazebo = _MUJOCO.search(name), _GAZEBO.match(name)
+    if mujoco:
+        return ColumnMeaning("torque", mujoco.group(1), meaning.certainty, "")
+    if gazebo and f"{name.rpartition('.')[0]}.force" in beside:
+        return replace(meaning, joint=gazebo.group(1), unit="")
+    return None
+
+
 def _as_turns(name: str, meaning: ColumnMeaning, beside: Iterable[str]) -> ColumnMeaning | None:
     """A position that a moteus or a word behind it says to be in turns; None of any other."""
     if _TURNS.search(name):
@@ -148,9 +160,9 @@ def with_vendor_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
     """
     if set(beside) >= _VESC and name in ("encoder_position", "q_axis_current"):
         return ColumnMeaning(meaning.channel, "", 3, "deg" if meaning.channel == "position" else "A")
-    mujoco = _MUJOCO.search(name)
-    if mujoco:
-        return ColumnMeaning("torque", mujoco.group(1), meaning.certainty, "")
+    simulated = _read_simulated(name, meaning, beside)
+    if simulated is not None:
+        return simulated
     path, _, register = without_address(name).rpartition(".")
     if register in ("POSITION", "VELOCITY") and {f"{path}.{one}".lstrip(".") for one in _MOTEUS} <= set(
         map(without_address, beside)

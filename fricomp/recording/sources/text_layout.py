@@ -211,8 +211,8 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     for line in _list_above(lines[:row], mark, width, numbered=numbered):
         if _are_addresses(line.cells, cells) or not any(map(is_entry, line.cells)):
             headings.append(line)
-        elif _is_fact(line.cells, cells):
-            continue
+        elif _is_fact(line.cells, [cells[0] or "0", *cells[1:]]):
+            continue  # numbers with nothing in front of them are rows too
         elif headings:
             break
         else:

@@ -10,6 +10,7 @@ import pytest
 from fricomp.errors import RecordingError
 from fricomp.recording import RecordingWarning, convert, load_mapping, read_recording
 from fricomp.recording.inspection.inspection import inspect_log
+from fricomp.recording.named.log import read_named_log
 
 _TIME = np.arange(0.0, 12.0, 0.004)
 _POSITION = 2.0 * np.sin(1.3 * _TIME) + 0.5 * np.sin(3.1 * _TIME)
@@ -101,3 +102,14 @@ def test_a_position_called_in_beside_pounds_is_in_inches(force: str, worth: floa
         recording = read_recording(path)
     assert recording.metadata.motion == "linear"
     np.testing.assert_allclose(recording.position, worth * _POSITION, atol=1e-5)
+
+
+@pytest.mark.parametrize(("position", "is_asked"), [("q [rad]", False), ("q_counts", True)])
+def test_a_part_of_a_rating_asks_for_the_position_where_that_is_a_devices(
+    position: str, is_asked: bool, tmp_path: Path
+) -> None:
+    rows = np.random.default_rng(2).normal(size=(50, 3)).cumsum(axis=0)
+    np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header=f"t,{position},torque_pct", comments="")
+    with pytest.raises(RecordingError, match="per cent of the rated torque") as refused:
+        read_named_log(tmp_path / "log.csv")
+    assert ("what one of the position is" in str(refused.value)) is is_asked

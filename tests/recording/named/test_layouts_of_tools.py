@@ -264,3 +264,16 @@ def test_a_number_for_no_value_is_no_wrap(tmp_path: Path) -> None:
     findings = {finding.code: finding for finding in check_recording(read_content(path).recording)}
     assert "wrap" not in findings
     assert "position is -9999 in 4 row(s), far from all others" in findings["spike"].message
+
+
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_a_measurement_of_labview_without_a_time_has_units_and_a_step(decimal: str, tmp_path: Path) -> None:
+    facts = "Channels\t2\t\t\nSamples\t900\t900\t\nY_Unit_Label\tdeg\tmNm\t\nX0\t0.0\t0.0\t\nDelta_X\t0.008\t0.008\t\n"
+    end, rows = "***End_of_Header***\t\t\t\n", zip(np.degrees(POSITION), 1e3 * TORQUE, strict=True)
+    text = "".join(f"\t{q:.9f}\t{tau:.9f}\n" for q, tau in rows)
+    text = f"X_Columns\tNo\n{end}\t\n{facts}{end}\tAngle\tTorque\tComment\n{text}".replace(".", decimal)
+    (tmp_path / "log.lvm").write_text(text)
+    recording = read_content(tmp_path / "log.lvm").recording
+    assert recording.time == pytest.approx(TIME - TIME[0], abs=1e-6)
+    assert recording.position == pytest.approx(POSITION, abs=1e-6)
+    assert recording.torque == pytest.approx(TORQUE, abs=1e-6)

@@ -253,3 +253,20 @@ def test_stamps_of_a_coarse_clock_are_spread_or_told_with_the_rate_of_the_rows(t
     columns["q"] = np.repeat(POSITION[::4], 4)[: POSITION.size]  # held as the stamps are, which the torque is not
     with pytest.raises(RecordingError, match=r"stamped as the one before.*--row-rate 200"):
         read_content(write_text(tmp_path / "log.csv", columns))
+
+
+@pytest.mark.parametrize(
+    ("simulated", "line"),
+    [
+        ((), "take one by --joint NAME, such as --joint m_2,"),
+        (["elbow"], "by --match LOGGED=elbow, such as --match m_2=elbow,"),
+    ],
+)
+def test_which_of_several_joints_is_meant_is_asked_with_the_line_to_write(
+    simulated: list[str], line: str, tmp_path: Path
+) -> None:
+    rest = np.full(N_ROWS, 0.25)
+    columns = {"time": TIME, "m_1.pos": rest, "m_1.tau": rest, "m_2.pos": POSITION, "m_2.tau": TORQUE}
+    with pytest.raises(RecordingError, match="none of them clearly 'elbow'") as refused:
+        read_content(write_text(tmp_path / "log.csv", columns), joint="elbow", simulated=simulated)
+    assert line in str(refused.value)

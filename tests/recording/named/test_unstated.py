@@ -73,3 +73,12 @@ def test_a_position_that_moves_far_more_than_its_velocity_says_is_asked_about(fa
 def test_the_velocity_of_a_motor_beside_the_angle_of_its_joint_stays(tmp_path: Path) -> None:
     path = write(tmp_path, "t,q,speed [rpm],tau", [TIME, POSITION, 50.0 * VELOCITY * 30.0 / np.pi, TORQUE])
     assert len(read_content(path).recording) == ROWS.shape[0]
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0, "rad/s"), (0.5 / np.pi, "turns/s")])
+def test_rps_beside_an_angle_in_rad_is_what_makes_one_the_rate_of_the_other(
+    factor: float, unit: str, tmp_path: Path
+) -> None:
+    content = read_content(write(tmp_path, "t,q_rad,vel_rps,tau", [TIME, POSITION, factor * VELOCITY, TORQUE]))
+    assert content.recording.velocity == pytest.approx(VELOCITY, abs=1e-6)
+    assert any("to be in rad/s" in finding.message for finding in content.findings) is (unit == "rad/s")

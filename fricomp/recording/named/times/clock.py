@@ -15,6 +15,7 @@ from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit import find_unit
 from fricomp.recording.validity import Samples, find_readings
 
+from .row_rate import say_row_rate
 from .stamp_unit import TIME_UNIT, find_epoch_unit, guess_unit, measure_step, read_time_unit, require_known_ticks
 
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
@@ -161,6 +162,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         raise RecordingError(
             f"{path} has no column of time: its columns are {list_names(columns)}. Call it time [s], or give the "
             "rate of its rows: 'fricomp convert LOG --row-rate 500 --out joint.csv' where 500 rows come a second"
+            f"{say_row_rate(columns)}"
         )
     time = columns[names[0]]
     finite = _require_times(path, names[0], time)
