@@ -13,6 +13,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import TORQUES
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import are_counts
+from fricomp.recording.named.head_fact import read_head_facts
 from fricomp.recording.named.log import NamedLog, separate_joints
 from fricomp.recording.named.quantity_files import read_quantity_files
 from fricomp.recording.named.source import (
@@ -141,7 +142,8 @@ def _propose(path: Path, columns: Mapping[str, Samples], *, numbered: bool) -> s
     """
     meanings = {name: read_column_name(name) for name in columns}
     left = {name: values for name, values in columns.items() if not says_asked_for(name)}
-    guess = _prefer_named(guess_columns(left, _list_others(left)), meanings)
+    rate = read_head_facts(path).get("rate")
+    guess = _prefer_named(guess_columns(left, _list_others(left), rate.value if rate is not None else 0.0), meanings)
     counted = [name for name, values in left.items() if are_counts(name, values)]
     return render_guess(path, guess, numbered=numbered, counted=counted, beside=columns)
 

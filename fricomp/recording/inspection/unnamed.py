@@ -71,6 +71,7 @@ class Guess(NamedTuple):
         joints: In the order of their positions.
         nanoseconds: Name of the column beside one of whole seconds; empty where the time is one column.
         rate: Rows a second [Hz], where no column is a time and a velocity beside a position tells it; else 0.
+        stated: The same, where it stands above the rows.
     """
 
     time: str
@@ -78,32 +79,36 @@ class Guess(NamedTuple):
     joints: tuple[GuessedJoint, ...]
     nanoseconds: str = ""
     rate: float = 0.0
+    stated: float = 0.0
 
 
-def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = ()) -> Guess:
+def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = (), stated: float = 0.0) -> Guess:
     """Guess the time, and pairs of position and velocity, with the torque that moves them.
 
     Args:
         columns: By name; shape (n_rows,) each.
         known: Names of those that are something else than a torque.
+        stated: Rows a second, where the log says it [Hz]; a column that counts rows is no time beside it.
     """
     rows = max((values.size for values in columns.values()), default=0)
     whole = {name: values for name, values in columns.items() if values.size == rows and np.ptp(_finite(values)) > 0.0}
     time, unit, seconds, nanoseconds = _find_time(whole)
-    seconds = seconds if time else np.arange(rows, dtype=np.float64)
+    time = "" if time and stated and _counts_rows(whole[time]) else time
+    seconds = seconds if time else np.arange(rows, dtype=np.float64) / (stated or 1.0)
     used = (time, nanoseconds)
     others = {name: values for name, values in whole.items() if name not in used and np.isfinite(values).all()}
-    pairs = _find_pairs(seconds, others, any_scale=not time)[:_MOST_JOINTS]
-    rate = (estimate_row_rate(others, *pairs[0][:2]) if pairs and not time else None) or 0.0
+    pairs = _find_pairs(seconds, others, any_scale=not (time or stated))[:_MOST_JOINTS]
+    is_open = bool(pairs) and not (time or stated)
+    rate = (estimate_row_rate(others, *pairs[0][:2]) if is_open else None) or 0.0
     seconds = seconds / (rate or 1.0)
     taken = {name for pair in pairs for name in pair[:2]} | set(known)
     left = {name: values for name, values in others.items() if name not in taken}
     joints = [
         GuessedJoint(position, velocity, _find_torque(seconds, others[position], left)[0], scale * (rate or 1.0))
         for position, velocity, scale in pairs
-    ] or (_find_without_velocity(seconds, others, left) if time else [])
+    ] or (_find_without_velocity(seconds, others, left) if time or stated else [])
     in_order = tuple(sorted(joints, key=lambda one: list(columns).index(one.position)))
-    return Guess(time, unit, in_order, nanoseconds, rate)
+    return Guess(time, unit, in_order, nanoseconds, rate, stated)
 
 
 def _find_time(columns: Mapping[str, Samples]) -> tuple[str, str, Samples, str]:
@@ -244,7 +249,8 @@ def render_guess(
         lines += [f"time = {{ column = {column(guess.time)}, {worth}{rest}, from_zero = true }}"]
     else:
         by = "; this rate makes one column the velocity of another, if they are in one unit" if guess.rate else ""
-        rate = f"{guess.rate:g}" if guess.rate else "ROWS_A_SECOND"
+        by = ", and this rate stands above the rows" if guess.stated else by
+        rate = f"{guess.stated or guess.rate:g}" if guess.stated or guess.rate else "ROWS_A_SECOND"
         lines += [f"time = {{ rate = {rate} }}  # no column is seen to be a time{by}"]
     several = len(guess.joints) > 1
     for number, joint in enumerate(guess.joints, start=1):

@@ -7,8 +7,8 @@ that is said beside what is asked for, and not done.
 import csv
 import math
 import re
-from collections.abc import Iterable, Mapping
-from itertools import islice
+from collections.abc import Mapping, Sequence
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ _OBJECT = r"(?:\s*[\[(]?0x[0-9a-f]{4}(?:[:.]\d+)?[\])]?)?"
 _CALLED = {
     "rate": r"(?:sampl\w*|log\w*|record\w*|acquisition|update|abtast\w*)[ _-]*(?:rate|freq\w*)|abtastrate|fs|f_s",
     "tick_rate": r"(?:ticks?|timer|counter)[ _-]*(?:rate|freq\w*|clock)|ticks?[ _-]*(?:per|/)[ _-]*s(?:ec(?:ond)?)?",
-    "delta_x": r"delta_x",
+    "delta_x": r"delta_x|[tx]_?inc(?:r|rement)?",
     "step": r"(?:sampl\w*|cycle|abtast\w*|zyklus)[ _-]*(?:interval|time|period|zeit)",
     "COUNTS_A_TURN": rf"(?:encoder[ _-]*)?cpr|counts?[ _]*{_PER_TURN}|(?:increments?|inkremente|inc)[ _]*{_PER_TURN}",
     "RATED": r"(?:rated|nominal)[ _-]*(?:motor[ _-]*)?torque|nenn(?:dreh)?moment",
@@ -118,8 +118,12 @@ def _read_head(path: Path, *, with_names: bool = True) -> list[str]:
     return lines[: layout.rows_line] if with_names else lines[: layout.names_line]
 
 
-def _find_facts(lines: Iterable[str]) -> dict[str, HeadFact]:
+def _find_facts(lines: Sequence[str]) -> dict[str, HeadFact]:
     found: dict[str, set[HeadFact]] = {}
+    for above, below in pairwise(lines):
+        for word, number in zip(above.split(","), below.split(","), strict=False):
+            if word.strip().lower() == "increment" and re.fullmatch(_NUMBER, number.strip()):
+                found["delta_x"] = {HeadFact(float(number), f"{word.strip()} {number.strip()}")}  # as Rigol's scopes
     for line in lines:
         for name, pattern in _FACT.items():
             for match in pattern.finditer(line):

@@ -10,6 +10,7 @@ from fricomp.recording.unit_word import find_unit_words
 from .cell import is_number, parse_number, read_measured, read_measured_si
 from .dumped_rows import tabulate_dump
 from .labelled_rows import join_rows, tabulate_labelled
+from .matlab_text import tabulate_latex, tabulate_matrices
 from .octave_text import tabulate_variables
 from .proto_text import tabulate_proto
 from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
@@ -53,7 +54,8 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     try:
-        lines = tabulate_dump(lines) or tabulate_variables(lines) or tabulate_proto(lines) or _read_python(lines)
+        lines = tabulate_dump(lines) or tabulate_variables(lines) or tabulate_matrices(lines) or _read_python(lines)
+        lines = tabulate_proto(lines) or tabulate_latex(lines) or lines
         lines = _unwrap(lines) or _join_decimals(lines) or lines
         lines = tabulate_yaml(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
         lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
