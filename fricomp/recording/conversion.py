@@ -1,24 +1,23 @@
 """From a foreign file to recordings, as a mapping says."""
 
 from collections import Counter
-from collections.abc import Collection
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.errors import FricompError, RecordingError
+from fricomp.errors import RecordingError
 from fricomp.recording.checks.register import read_signed
 from fricomp.recording.finding import Finding
-from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping, Source
+from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
-from fricomp.recording.named.source import read_named_columns
+from fricomp.recording.named.wanted import read_wanted
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample_checked
 from fricomp.recording.runs import integrate, order_runs, sort_rows
-from fricomp.recording.sources import Columns, find_column, read_columns
+from fricomp.recording.sources import Columns, find_column
 from fricomp.recording.stamps import spread_stamps
 from fricomp.recording.unit import find_unit
 from fricomp.recording.validity import Samples, drop_twins, find_usable_rows, mend_stamps, tell_bad_rows
@@ -97,36 +96,8 @@ def convert(path: str | Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
     plans = _plan(mapping, path)
     keys = dict.fromkeys(key for plan in plans for key in _wanted_keys(plan))
     source = plans[0].file.source or mapping.source
-    columns = _read_wanted(path, source, keys, skip_bad_rows=mapping.skip_bad_rows)
+    columns = read_wanted(path, source, keys, _list_roles(plans), skip_bad_rows=mapping.skip_bad_rows)
     return tuple(_build(plan, columns, mapping, path) for plan in plans)
-
-
-def _read_wanted(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool) -> Columns:
-    """The wanted columns: those of the source, or else as they are called where names alone are followed.
-
-    Entries of lists beside their names, and rows of several signals or joints, are columns there: `elbow.position`;
-    signals at several rates are placed there at common times.
-    """
-    try:
-        columns = read_columns(path, source, keys, skip_bad_rows=skip_bad_rows)
-    except RecordingError:
-        named = {} if source.topic else _read_named(path, keys)
-        if not named or not all(np.all(np.isfinite(named[key])) for key in keys):
-            raise  # the line that is wrong is told there
-        return named
-    found = {key: key if key in columns else str(key).partition(" [")[0] for key in keys}
-    if all(key in columns for key in found.values()) and len({columns[key].size for key in found.values()}) < 2:
-        return columns
-    return _read_named(path, keys) or columns
-
-
-def _read_named(path: Path, keys: Collection[Column]) -> Columns:
-    """The columns as the inspection calls them, where these are the ones that are wanted; else none."""
-    with suppress(FricompError):  # whose message would be of what nobody has asked for
-        named = read_named_columns(path)
-        if all(key in named for key in keys):
-            return dict(named.items())
-    return {}
 
 
 def _convert_folder(folder: Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
@@ -187,6 +158,15 @@ def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
         name = "/".join(part for part in parts if part) or _UNNAMED
         plans.append(_Plan(name, joint, number, file, channels, metadata_from_fields(merged)))
     return plans
+
+
+def _list_roles(plans: Sequence[_Plan]) -> dict[str, Column]:
+    """The column of each channel, where one recording is made of all rows; else none."""
+    if len(plans) != 1 or plans[0].file.where is not None or plans[0].file.rows is not None:
+        return {}
+    (plan,) = plans
+    rules = {name: (rule.column, rule.joint_step) for name, rule in plan.channels.items()}
+    return {name: plan.key(column, step) for name, (column, step) in rules.items() if column is not None}
 
 
 def _wanted_keys(plan: _Plan) -> list[Column]:

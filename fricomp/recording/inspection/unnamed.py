@@ -34,6 +34,8 @@ _BLOCKS = 2000
 _EXPLAINED = 0.3
 """Part of a torque's variance that inertia, friction and gravity of the motion explain at least."""
 _MOST_JOINTS = 12
+_FEWEST_SPARSE, _MOST_SPARSE = 0.05, 0.8
+"""Part of the rows that have a number of a column with rows of its own."""
 _UNSEEN = tuple(f"{one} = {{ column = WHICH }}  # not seen in the numbers" for one in ("position", "torque"))
 _FACTORS = tuple(k**sign for k in (1.0, 57.296, 9.5493, 6.2832, 1000.0, 60.0) for sign in (1, -1))
 """How much faster a position moves than its velocity says, where the units of both are in use: rad, deg, turns, rpm."""
@@ -96,7 +98,8 @@ def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = (), s
     time = "" if time and stated and _counts_rows(whole[time]) else time
     seconds = seconds if time else np.arange(rows, dtype=np.float64) / (stated or 1.0)
     used = (time, nanoseconds)
-    others = {name: values for name, values in whole.items() if name not in used and np.isfinite(values).all()}
+    seconds, filled = _fill_sparse(seconds, {name: values for name, values in whole.items() if name not in used})
+    others = {name: values for name, values in filled.items() if np.isfinite(values).all()}
     pairs = _find_pairs(seconds, others, any_scale=not (time or stated))[:_MOST_JOINTS]
     is_open = bool(pairs) and not (time or stated)
     rate = (estimate_row_rate(others, *pairs[0][:2]) if is_open else None) or 0.0
@@ -145,6 +148,17 @@ def _find_without_velocity(
     }
     best = max(tried, key=lambda name: tried[name][1], default="")
     return [GuessedJoint(best, "", tried[best][0], 1.0)] if best and tried[best][0] else []
+
+
+def _fill_sparse(time: Samples, columns: Mapping[str, Samples]) -> tuple[Samples, Mapping[str, Samples]]:
+    """Columns that stand in rows of their own, and all others, at even times; as they are where none is such."""
+    count = {name: np.count_nonzero(np.isfinite(values)) for name, values in columns.items()}
+    sparse = [name for name in columns if _FEWEST_SPARSE * time.size < count[name] < _MOST_SPARSE * time.size]
+    if not sparse:
+        return time, columns
+    even, known = np.linspace(time[0], time[-1], max(count[name] for name in sparse)), np.isfinite(time)
+    rows = {name: known & np.isfinite(values) for name, values in columns.items()}
+    return even, {name: np.interp(even, time[rows[name]], values[rows[name]]) for name, values in columns.items()}
 
 
 def _finite(values: Samples) -> Samples:

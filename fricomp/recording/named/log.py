@@ -29,8 +29,7 @@ from .sliding import is_linear, mark_assumed, require_length
 from .source import read_named_columns
 from .sparse import join_sparse
 from .times.clock import AT_RATE, find_stamps, read_times
-from .torque_constant import say_torque_constant
-from .torque_size import say_torque_size
+from .torque_size import say_torque_constant, say_torque_size
 from .unstated import refuse_unstated, say_missing_unit, settle_units
 from .vendor import find_drive_of_turns
 

@@ -17,7 +17,7 @@ from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.sources import Contents, is_text, read_contents
 from fricomp.recording.sources.can_frames import refuse_bytes, refuse_frames
 from fricomp.recording.sources.cell import number_or_nan, read_number
-from fricomp.recording.sources.plain_table import as_table
+from fricomp.recording.sources.printed.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_ros_topics, read_topics, tabulate_topics
 from fricomp.recording.sources.text import cut_rows, find_encoding, read_lines

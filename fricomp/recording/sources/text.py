@@ -14,7 +14,7 @@ from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.cell import DECIMAL_COMMA, number_or_nan, parse_number
 from fricomp.recording.sources.columns import Columns
-from fricomp.recording.sources.plain_table import as_table
+from fricomp.recording.sources.printed.plain_table import as_table
 from fricomp.recording.sources.text_layout import is_comment, split_cells
 from fricomp.untrusted import find_size_limit
 

@@ -5,11 +5,10 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from fricomp.recording.quantity_word import TIMES
+from fricomp.recording.sources.cell import parse_number
+from fricomp.recording.sources.text_layout import FIRST_LINES
 from fricomp.recording.unit_word import read_unit
 from fricomp.untrusted import require_filled
-
-from .cell import parse_number
-from .text_layout import FIRST_LINES
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _DATE = r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?(?:Z|[+-]\d\d:?\d\d)?"

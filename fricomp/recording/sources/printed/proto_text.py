@@ -3,9 +3,8 @@
 import re
 from collections.abc import Iterator, Sequence
 
+from fricomp.recording.sources.text_layout import FIRST_LINES
 from fricomp.untrusted import require_filled
-
-from .text_layout import FIRST_LINES
 
 _OPENS = re.compile(r"^\s*(\w+)\s*:?\s*\{$")
 _FIELD = re.compile(r"^\s*(\w+)\s*:\s*(?:\"(.*)\"|(\S+))$")

@@ -3,14 +3,15 @@
 import re
 from collections.abc import Sequence
 
-from .cell import is_number
-from .text_layout import FIRST_LINES
+from fricomp.recording.sources.cell import is_number
+from fricomp.recording.sources.text_layout import FIRST_LINES
 
 _SETS = re.compile(r"^\s*([A-Za-z][\w.]*)\s*=\s*\[", re.MULTILINE)
 _MATRIX = re.compile(r"^\s*([A-Za-z][\w.]*)\s*=\s*\[([^\[\]]*)(?:\]|\Z)\s*(['.]*)\s*;?", re.MULTILINE)
 _CELLS = re.compile(r"=\s*[{\[]\s*((?:['\"][^'\"]*['\"][\s,;]*)+)[}\]]")
 _WORD = re.compile(r"['\"]([^'\"]*)['\"]")
-"""Beginning of a matrix; its name, numbers, where the text may be cut off, and what turns it; words in braces, which may be names of its columns."""
+"""Beginning of a matrix; its name, numbers, which may be cut off, and what turns it; words in braces, which may be the
+names of its columns."""
 _COMMENT = re.compile(r"%(.*)$", re.MULTILINE)
 _GOES_ON = re.compile(r"\.\.\.[^\n]*\n")
 _FEWEST_ROWS, _FEWEST_COLUMNS = 10, 3

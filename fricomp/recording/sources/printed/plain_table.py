@@ -5,15 +5,15 @@ import itertools
 import re
 from collections.abc import Sequence
 
+from fricomp.recording.sources.cell import is_number, parse_number, read_measured, read_measured_si
+from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
 from fricomp.recording.unit_word import find_unit_words
 
-from .cell import is_number, parse_number, read_measured, read_measured_si
 from .dumped_rows import tabulate_dump
 from .labelled_rows import join_rows, tabulate_labelled
 from .matlab_text import tabulate_latex, tabulate_matrices
 from .octave_text import tabulate_variables
 from .proto_text import tabulate_proto
-from .text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
 from .yaml_text import tabulate_yaml
 
 _MOSTLY = 0.5

@@ -3,9 +3,10 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from .cell import is_entry
+from fricomp.recording.sources.cell import is_entry
+from fricomp.recording.sources.text_layout import FIRST_LINES
+
 from .labelled_rows import join_rows
-from .text_layout import FIRST_LINES
 
 _ENTRY = re.compile(r"^(\s*)(?:- (?!\w+:\s)|(\w+):)\s*(.*)$")
 """A line of a printed message: an entry of a list, or a key with its value."""

@@ -6,7 +6,7 @@ import io
 import re
 from collections.abc import Sequence
 
-from .text_layout import FIRST_LINES
+from fricomp.recording.sources.text_layout import FIRST_LINES
 
 _INSERT = re.compile(
     r"""\bINSERT\s+(?:OR\s+\w+\s+|IGNORE\s+)?INTO\s+([^\s(]+)\s*(?:\(([^()]*)\)\s*)?VALUES\s*"""
