@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,17 @@ if TYPE_CHECKING:
     from fricomp.fleet import FleetJoint, FleetRow, Work
     from fricomp.report import Table
 
-__all__ = ["Executor", "FailIf", "FleetRun", "Resume", "Workers", "rich_table", "run_joints", "show_fleet"]
+__all__ = [
+    "Executor",
+    "FailIf",
+    "FleetRun",
+    "Resume",
+    "Workers",
+    "rich_table",
+    "run_joints",
+    "say_same_joint",
+    "show_fleet",
+]
 
 Executor = Annotated[str, fleet_option(help="Where a fleet runs: processes, serial or dask://host:port.")]
 Workers = Annotated[int | None, fleet_option(min=1, help="Number of processes for a fleet; one a core by default.")]
@@ -98,6 +109,31 @@ def show_fleet(
     least = {"any": Severity.PARAMETERS, "missing": Severity.MISSING, "unusable": Severity.UNUSABLE}
     if run.fail_if is not None and any(rate_row(row) >= least[run.fail_if] for row in rows):
         raise typer.Exit(EXIT_FOUND)
+
+
+def say_same_joint(rows: Sequence[FleetRow], files: Sequence[str], out: Path) -> None:
+    """Print that files which name one joint, or none, were taken one by one, and how they are fitted together.
+
+    Args:
+        rows: Of the fleet.
+        files: What was given to the command.
+        out: Folder of the fleet.
+    """
+    from fricomp.cli.terminal import console
+    from fricomp.fleet import is_joint_table
+    from fricomp.model import load_model
+
+    models = [out / str(row["name"]) / "friction.json" for row in rows if not row["error"]]
+    named = [load_model(path).joint for path in models if path.exists()]
+    if len(named) < 2 or len(set(named)) > 1 or any(map(is_joint_table, files)):
+        return
+    given = " ".join(map(shlex.quote, files))
+    console().print(
+        f"{len(rows)} files of joint {named[0]!r}, as they say or since they name none: each was taken as a joint of a "
+        f"fleet. If they are runs of one joint: 'fricomp diagnose {given} --out {out}_together' fits them together.",
+        style="yellow",
+        markup=False,
+    )
 
 
 def rich_table(table: Table) -> Any:

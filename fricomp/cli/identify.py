@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, read_joint, run_arm
-from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
+from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, say_same_joint, show_fleet
 from fricomp.cli.option.cut import Cut, From, To
 from fricomp.cli.option.page import OpenPage, open_page
 from fricomp.cli.option.panel import Overwrite, arm_option, fleet_option, log_option, option_under, output_option
@@ -211,6 +211,7 @@ def _identify_fleet(files: Sequence[str], out: Path, settings: IdentifySettings,
     joints = list_joints(files, FleetJoint("", ()))
     work = partial(_identify_one, settings=settings)
     rows = run_joints(joints, work, out, run, asdict(settings) | {"command": "identify"}, "identifying joints")
+    say_same_joint(rows, files, out)
     _show_fleet(rows, out, run)
 
 

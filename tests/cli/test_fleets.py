@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from fricomp.cli.fleet import say_same_joint
 from fricomp.cli.main import app
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord
 from fricomp.diagnosis.report import build_fleet_row
@@ -104,3 +105,16 @@ def test_what_the_checks_warn_of_is_told_of_a_fleet(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "a: Careful: velocity reaches 115 rad/s: is it in degrees" in done.output
     assert read_rows(tmp_path / "out")[0]["warnings"].startswith("Careful: velocity reaches 115 rad/s")
+
+
+@pytest.mark.parametrize(("joints", "is_told"), [(("elbow", "elbow"), True), (("elbow", "knee"), False)])
+def test_files_of_one_joint_are_told_with_the_line_that_fits_them_together(
+    joints: tuple[str, str], is_told: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, joint in zip("ab", joints, strict=True):
+        (tmp_path / name).mkdir()
+        model = FrictionModel(FrictionLaw((Coulomb(1.0),)), provenance=Provenance(method="identify"), joint=joint)
+        save_model(model, tmp_path / name / "friction.json")
+    say_same_joint([{"name": "a", "error": ""}, {"name": "b", "error": ""}], ["my logs"], tmp_path)
+    told = " ".join(capsys.readouterr().out.split())
+    assert ("'fricomp diagnose 'my logs' --out " in told) is is_told
