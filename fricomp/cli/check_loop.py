@@ -21,7 +21,7 @@ app = typer.Typer(add_completion=False)
 
 drive_option = option_under("Drive")
 
-EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 5
+EPILOG = """fricomp check-loop runs/elbow/friction.json --bandwidth 5
 
 fricomp check-loop friction.json --inertia 0.1 --bandwidth 5 --torque-limit 5 --torque-rate 250
 
@@ -31,7 +31,9 @@ fricomp check-loop friction.json --inertia 0.1 --stiffness 98.7 --damping 6.28 -
 @app.command(name="check-loop", epilog=EPILOG)
 def check_loop(
     model: Annotated[Path, typer.Argument(help="Model file of the joint (friction.json).")],
-    inertia: Annotated[float, loop_option(help="Inertia at the joint [kg·m²] or [kg].")],
+    inertia: Annotated[
+        float | None, loop_option(help="Inertia at the joint [kg·m²] or [kg]; the model's own if left out.")
+    ] = None,
     bandwidth: Annotated[float | None, loop_option(help="Bandwidth of a critically damped PD loop [Hz].")] = None,
     stiffness: Annotated[float | None, loop_option(help="Proportional gain [N·m/rad] or [N/m].")] = None,
     damping: Annotated[float | None, loop_option(help="Derivative gain [N·m·s/rad] or [N·s/m].")] = None,
@@ -71,12 +73,17 @@ def check_loop(
         raise ParameterError(f"--velocity-limit must be above 0 and finite, got {velocity_limit:g}")
     if bandwidth is not None and (stiffness is not None or damping is not None):
         raise ParameterError("give either --bandwidth, or --stiffness and --damping")
+    friction = load_model(model)
+    if inertia is None:
+        if friction.dynamics is None:
+            raise ParameterError(f"{model} holds no inertia: give --inertia")
+        inertia = friction.dynamics.inertia
     if bandwidth is not None:
         controller = PositionController.from_bandwidth([inertia], bandwidth)
         stiffness, damping = controller.stiffness[0], controller.damping[0]
     if stiffness is None or damping is None:
         raise ParameterError("the loop's gains are needed: --bandwidth, or --stiffness and --damping")
-    friction, loop = load_model(model), LoopDynamics(inertia, stiffness, damping, delay, velocity_filter)
+    loop = LoopDynamics(inertia, stiffness, damping, delay, velocity_filter)
     given = {name: value for name, value in (("gain", gain), ("source", source)) if value is not None}
     settings = choose_settings(friction, loop=loop, velocity_quantum=quantum, **given)
     limits = {"torque": torque_limit, "torque_rate": torque_rate}

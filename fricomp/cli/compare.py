@@ -19,6 +19,7 @@ EPILOG = """fricomp compare runs/spring/friction.json runs/autumn/friction.json
 
 fricomp compare old.json new.json --fail-if-changed --json"""
 
+_LEAST_CHANCE = 1e-16
 EXIT_CHANGED = 1
 """Exit status of --fail-if-changed where the joint has changed."""
 
@@ -54,10 +55,10 @@ def _print_comparison(result: ModelComparison, after: FrictionModel, significanc
         table.add_column(heading, overflow="fold")
     for change in result.changes:
         style = "bold" if change.p_value < significance else ""
-        share = f"{change.difference / change.old:+.1%}" if change.old else "–"
+        share = _spell_share(change.difference / change.old) if change.old else "–"
         numbers = (f"{change.old:.5g}", f"{change.new:.5g}", share, f"{change.standard_deviation:.2g}")
         short = change.name.removeprefix("stribeck.")
-        table.add_row(short, *numbers, f"{change.p_value:.2g}", change.unit, style=style)
+        table.add_row(short, *numbers, _spell_chance(change.p_value), change.unit, style=style)
     out = console()
     for doubt in doubts:
         out.print(f"Careful: {doubt}.", style="yellow")
@@ -72,11 +73,21 @@ def _print_comparison(result: ModelComparison, after: FrictionModel, significanc
     where = (
         f"{result.largest_torque_change:+.3g} {after.torque_unit} at {result.at_velocity:.3g} {after.position_unit}/s"
     )
+    chance = f"p {_spell_chance(result.p_value, '= ')}"
     if not result.changed:
-        out.print(f"No change: p = {result.p_value:.2g} for all parameters together; the curves differ by {where}.")
+        out.print(f"No change: {chance} for all parameters together; the curves differ by {where}.")
         return
     names = ", ".join(change.name for change in result.significant) or "no single parameter stands out"
-    out.print(f"The joint has changed (p = {result.p_value:.2g}): {names}. The curves differ most by {where}.")
+    out.print(f"The joint has changed ({chance}): {names}. The curves differ most by {where}.")
+
+
+def _spell_chance(p_value: float, equals: str = "") -> str:
+    """A chance; one that no double tells from zero is less than the least that is told."""
+    return f"{equals}{p_value:.2g}" if p_value >= _LEAST_CHANCE else f"< {_LEAST_CHANCE:g}"
+
+
+def _spell_share(share: float) -> str:
+    return "0.0%" if abs(share) < 5e-4 else f"{share:+.1%}"
 
 
 def _find_doubts(before: FrictionModel, after: FrictionModel) -> list[str]:

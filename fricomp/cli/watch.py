@@ -12,12 +12,15 @@ from fricomp.cli.option.panel import Overwrite, output_option
 
 if TYPE_CHECKING:
     from fricomp.calibration.history import JointHistory
+    from fricomp.calibration.kept_model import Estimate
     from fricomp.report import ReportPage
 
 app = typer.Typer(add_completion=False)
 
 EXIT_CHANGED = 1
 """Exit status of --fail-if-changed where the last model of a joint differs from the one before."""
+_ONE_SITTING = 3600.0
+"""Time within which all models were made on the same day by whoever looks at old recordings [s]."""
 
 
 @app.command(epilog="fricomp watch runs --out runs/watch.html --open\n\nfricomp watch runs --fail-if-changed --json")
@@ -70,19 +73,35 @@ def _has_changed(history: JointHistory, number: int) -> bool:
     return found is not None and found.changed
 
 
-def _tell_changes(history: JointHistory) -> list[tuple[str, str]]:
-    """Date of each model that differs from the one before, and in what."""
+def _tell_changes(history: JointHistory, *, numbers: bool = True) -> list[tuple[str, str]]:
+    """Date of each model that differs from the one before, and in what, with both numbers where these are wanted."""
     from fricomp.calibration.history import shorten
 
     told = []
-    for kept, found in zip(history.models[1:], history.comparisons, strict=True):
+    for old, kept, found in zip(history.models, history.models[1:], history.comparisons, strict=False):
         if found is not None and found.changed:
-            names = [shorten(name) for name in found.names]
+            before = old.estimates if numbers else {}
+            names = [_say_change(shorten(name), before.get(name), kept.estimates.get(name)) for name in found.names]
             terms = [*(f"new {name}" for name in found.added), *(f"without {name}" for name in found.removed)]
             told.append(
                 (f"{kept.when:%Y-%m-%d %H:%M}", ", ".join([*names, *terms]) or "no single parameter stands out")
             )
     return told
+
+
+def _say_change(name: str, before: Estimate | None, after: Estimate | None) -> str:
+    return name if before is None or after is None else f"{name} {before.value:.4g} → {after.value:.4g} {after.unit}"
+
+
+def _say_span(history: JointHistory) -> list[str]:
+    """That dates are those of the files, where all models were made one after the other."""
+    first, last = history.models[0].when, history.models[-1].when
+    if len(history.models) < 2 or (last - first).total_seconds() > _ONE_SITTING:
+        return []
+    return [
+        "All models were made within an hour: dates and changes a day are those of the identification, and not of the "
+        "recordings."
+    ]
 
 
 def _list_rows(history: JointHistory) -> list[tuple[str, ...]]:
@@ -102,8 +121,8 @@ _HEADS = ("parameter", "first", "last", "unit", "change a day, 95 %", "beyond ch
 
 def _make_title(history: JointHistory) -> str:
     days = history.trends[0].days[-1] if history.trends else 0.0
-    n = len(history.models)
-    return f"Joint {history.title}: {n} models over {days:.3g} days" if n > 1 else f"Joint {history.title}: one model"
+    n, span = len(history.models), f"{days:.3g} days" if days >= 1.0 else f"{24.0 * days:.2g} hours"
+    return f"Joint {history.title}: {n} models over {span}" if n > 1 else f"Joint {history.title}: one model"
 
 
 def _print(history: JointHistory) -> None:
@@ -113,6 +132,8 @@ def _print(history: JointHistory) -> None:
     for row in _list_rows(history):
         table.add_row(*row)
     screen.print(table)
+    for sentence in _say_span(history):
+        screen.print(f"Careful: {sentence[0].lower()}{sentence[1:]}", style="yellow")
     changes = _tell_changes(history)
     for when, what in changes:
         screen.print(f"Changed at {when} UTC: {what}.", style="yellow")
@@ -136,7 +157,7 @@ def _as_answer(history: JointHistory) -> dict[str, Any]:
             }
             for one in history.trends
         ],
-        "changes": [{"when": when, "what": what} for when, what in _tell_changes(history)],
+        "changes": [{"when": when, "what": what} for when, what in _tell_changes(history, numbers=False)],
     }  # fmt: skip
 
 
@@ -149,7 +170,7 @@ def _build_page(histories: tuple[JointHistory, ...]) -> ReportPage:
     sections, moved = [], []
     for history in histories:
         changes = _tell_changes(history)
-        blocks: list[Any] = [Table(_HEADS, tuple(_list_rows(history)))]
+        blocks: list[Any] = [Table(_HEADS, tuple(_list_rows(history))), *_say_span(history)]
         blocks += [f"Changed at {when} UTC: {what}." for when, what in changes]
         if history.trends:
             blocks.append(draw_history(history))

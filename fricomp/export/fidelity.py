@@ -9,6 +9,8 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
 _POINTS = 200
+_ROUNDING = 1e-12
+"""Error over the largest friction that is rounding alone."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ def compute_fidelity(
     """Error of `exported` torque against the model at `velocity`, each of shape (n,)."""
     friction = np.asarray(model.torque(velocity), dtype=np.float64)
     error = exported - friction
+    error[np.abs(error) < _ROUNDING * np.max(np.abs(friction), initial=0.0)] = 0.0
     worst = int(np.argmax(np.abs(error)))
     rms, size = np.sqrt(np.mean(error**2)), np.sqrt(np.mean(friction**2))
     return Fidelity(

@@ -81,9 +81,14 @@ def save_model(model: FrictionModel, path: str | os.PathLike[str]) -> str:
 def load_model(path: str | os.PathLike[str]) -> FrictionModel:
     """Read a model file.
 
+    Args:
+        path: The file, or the folder of a calibration, identification or diagnosis with its `friction.json`.
+
     Raises:
         ModelFileError: The file is missing, damaged, foreign, in units of its own, or written by a newer version.
     """
+    if os.path.isdir(path):
+        path = os.path.join(path, "friction.json")
     try:
         data = read_whole(path)
     except OSError as error:
