@@ -15,6 +15,10 @@ _LEAST_RATIO = 1e-9
 _LEAD = 0.02 * 0.95 / 2.0
 """[s] by which such friction is ahead of the velocity: half of MuJoCo's default time constant times its impedance."""
 
+CREEP_ROUNDING = 0.75
+"""Smoothing velocity of a hyperbolic tangent over the speed at which friction that creeps reaches its level, at which
+the two differ least in the mean square up to twice that speed."""
+
 
 def plain_columns(rows: ArmRows, joint: int) -> FloatArray:
     """Columns of one joint that `PLAIN` lists. Shape (n, 4)."""
@@ -73,11 +77,18 @@ def stribeck_columns(rows: ArmRows, joint: int, speed: float, exponent: float) -
     return rows.compare(build)
 
 
-def creep_columns(rows: ArmRows, joint: int, speed: float) -> FloatArray:
-    """Friction of one joint that creeps below a speed [rad/s] or [m/s], less friction that sticks. Shape (n, 2)."""
+def creep_columns(rows: ArmRows, joint: int, speed: float, *, rounded: bool) -> FloatArray:
+    """Friction of one joint that creeps below a speed [rad/s] or [m/s], less friction that sticks. Shape (n, 2).
+
+    That of MuJoCo has a corner there and is ahead of the velocity; others are a hyperbolic tangent of the velocity.
+    """
 
     def build(_: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> FloatArray:
         v = velocity[:, joint]
+        if rounded:
+            ratio = v / (CREEP_ROUNDING * speed)
+            part = np.tanh(ratio)
+            return np.stack([part - np.sign(v), -ratio * (1.0 - part**2)], axis=1)
         ratio = (v + _LEAD * acceleration[:, joint]) / speed
         return np.stack([np.clip(ratio, -1.0, 1.0) - np.sign(v), np.where(np.abs(ratio) < 1.0, -ratio, 0.0)], axis=1)
 

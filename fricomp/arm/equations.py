@@ -22,7 +22,6 @@ from fricomp.laws import FloatArray
 from .columns import creep_columns, friction_columns, load_columns, plain_columns, ripple_columns, stribeck_columns
 from .equation_sums import EquationSums
 from .friction import (
-    CREEP_SPEEDS,
     GEARS,
     LEAST_CREEP,
     LEAST_STRIBECK,
@@ -31,6 +30,8 @@ from .friction import (
     Filled,
     column_names,
     find_columns,
+    is_rounded,
+    list_creep_starts,
     list_stribeck_starts,
 )
 from .prior.sizes import TorqueSizes, measure_torques
@@ -187,7 +188,7 @@ class ArmEquations:
         speeds = np.clip(speeds, LEAST_CREEP * top, MOST_STRIBECK * top)
 
         def made(joint: int, variant: int) -> FloatArray:
-            return creep_columns(rows, joint, float(speeds[joint, variant]))
+            return creep_columns(rows, joint, float(speeds[joint, variant]), rounded=is_rounded(variant))
 
         return self._change_variants("creep", speeds != self.creep, made, creep=speeds)
 
@@ -297,7 +298,7 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray, *, plain
     moving = (speed > np.maximum(_SLOW * top, np.minimum(rows.least_speed, _MOST_SLOW * top))).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     starts = list_stribeck_starts()
-    weights, curves, creep = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape)), np.array(CREEP_SPEEDS)
+    weights, curves, creep = Weights(moving, noise, np.ones(n)), np.zeros((n, *starts.shape)), list_creep_starts()
     gears = {one: np.zeros((n, 3)) for one in GEARS}
     bare = ArmEquations(
         arm, tuple(columns), weights, top, np.zeros(n), np.zeros(n), curves, np.zeros((n, creep.size)), gears

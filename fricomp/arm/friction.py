@@ -4,8 +4,9 @@
     (E s + D_e) exp(-|v/v_s|ⁿ)                       Stribeck effect, n from 2 or 1
     W_s n |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s                  along v_s, which moves until W_s = E δv_s/v_s is next to none
     -N_s n ln|v/v_s| |v/v_s|ⁿ exp(-|v/v_s|ⁿ) s       along n, which moves likewise
-    C (clip(u / v_c) - s),  u = v + T a              friction that creeps, as a simulator's does
-    -W_c (u / v_c) [|u| < v_c]                       along v_c, which moves until W_c = C δv_c/v_c is next to none
+    C (clip(u / v_c) - s),  u = v + T a              friction that creeps, as MuJoCo's does
+    C (tanh(v / w) - s),  w = 0.75 v_c               the same, rounded, as other simulators write it
+    -W_c v_c ∂/∂v_c of either                        along v_c, which moves until W_c = C δv_c/v_c is next to none
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
@@ -32,7 +33,6 @@ from fricomp.laws import FloatArray
 
 __all__ = [
     "CREEP",
-    "CREEP_SPEEDS",
     "GEARS",
     "LEAST_CREEP",
     "LEAST_STRIBECK",
@@ -47,6 +47,8 @@ __all__ = [
     "JointTerm",
     "column_names",
     "find_columns",
+    "is_rounded",
+    "list_creep_starts",
     "list_stribeck_starts",
 ]
 
@@ -75,9 +77,12 @@ _BREAKAWAY = tuple(0.5e-3 * 2.0 ** (0.5 * k) for k in range(12))
 """Breakaway distances to choose from [rad], up to 23 mrad. With steps of two, a bristle between them came as part of
 the Coulomb torque at the next one, and the rest of it as what else bends about a reversal."""
 
-CREEP_SPEEDS = (0.03, 0.06, 0.12, 0.24)
+_CREEP_SPEEDS = (0.03, 0.06, 0.12, 0.24)
 """Speeds below which friction is viscous and holds nothing to start from, as parts of a joint's top speed; the one that
 is taken moves to where it fits best. Below, such rows are not compared; above, it is viscous friction."""
+
+_CREEP_FORMS = (False, True)
+"""Whether the corner at that speed is rounded, each with all speeds."""
 
 LEAST_CREEP = 1e-3
 """Of a joint's top speed, below which such friction sticks as far as anyone can see."""
@@ -171,7 +176,7 @@ TERMS = {
             filled="stribeck",
         ),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", on_slides=_ARM),
-        JointTerm(CREEP, ("level", "width"), CREEP_SPEEDS, filled="creep"),
+        JointTerm(CREEP, ("level", "width"), _CREEP_SPEEDS * len(_CREEP_FORMS), filled="creep"),
         JointTerm("position_coulomb", ("cosine", "sine"), ORDERS, label="order", on_slides=None, counted=True),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
         JointTerm(
@@ -278,3 +283,14 @@ def _list_columns(filled: Filled) -> tuple[str, ...]:
 def list_stribeck_starts() -> FloatArray:
     """Stribeck velocity, as part of the top speed, and exponent of each variant's start. Shape (n_variants, 2)."""
     return np.array([(speed, exponent) for exponent in _STRIBECK_STARTS for speed in _STRIBECK])
+
+
+def list_creep_starts() -> FloatArray:
+    """Speed below which friction creeps, as part of the top speed, of each variant's start. Shape (n_variants,)."""
+    return np.array(TERMS[CREEP].values)
+
+
+def is_rounded(variant: int) -> bool:
+    """Whether a variant of friction that creeps is a hyperbolic tangent of the velocity; else it has a corner, and is
+    ahead of that."""
+    return _CREEP_FORMS[variant // len(_CREEP_SPEEDS)]

@@ -23,6 +23,7 @@ from fricomp.laws import (
 from fricomp.model import FrictionModel, Provenance, Validity
 
 from .arm_recording import find_start_temperature
+from .columns import CREEP_ROUNDING
 from .comparison.torque_scale import scale_values
 from .friction import CREEP, STRIBECK_EXPONENTS, TERMS
 from .identification import ArmIdentification
@@ -37,10 +38,6 @@ _SHIFTS = (-0.4, 0.6)
 _LEAST_VISCOUS = 1e-6
 """[N·m·s/rad] of a joint that has none: its change with the temperature needs a positive one."""
 
-
-_SMOOTHING = 0.75
-"""Smoothing velocity of a hyperbolic tangent over the speed at which friction that creeps reaches its level, at which
-the two differ least in the mean square up to twice that speed."""
 
 _MOST_PART = 0.95
 """Of the Coulomb level, from which all of it is taken to bend: what is left could not be told from none."""
@@ -79,7 +76,7 @@ def _build_core(
     if CREEP in form:
         level = values[TERMS[CREEP].names(form[CREEP])[0]]
         others = {name: one for name, one in form.items() if name != CREEP}
-        soft = SmoothedCoulomb(max(level, 0.0), _SMOOTHING * find_creep_velocity(found, joint))
+        soft = SmoothedCoulomb(max(level, 0.0), CREEP_ROUNDING * find_creep_velocity(found, joint))
         return (*_build_core(found, joint, values | {"coulomb": values["coulomb"] - level}, others), soft)
     if "presliding_hysteresis" not in form:
         return (BidirectionalStribeck(*_build_curves(found, joint, values, form)),)

@@ -58,3 +58,18 @@ def test_friction_that_creeps_in_part_is_not_told_to_creep(tmp_path: Path) -> No
     assert "creep" in found.answer.identification.fit.model.forms[_JOINT].names
     assert found.record.joints[_JOINT].creep_velocity is None
     assert not any("creeps" in one for one in found.record.summary)
+
+
+@pytest.mark.parametrize("part", [0.01, 0.03, 0.1])
+def test_friction_that_is_a_hyperbolic_tangent_has_no_name(tmp_path: Path, part: float) -> None:
+    """With the corner and the lead of MuJoCo's alone, joints of other simulators were told to have presliding."""
+    simulation = write_arm(tmp_path)
+
+    def round_off(joint: int, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
+        level = (1.2, 0.8, 0.3)[joint]
+        return level * (np.tanh(v / (part * np.max(np.abs(v)))) - np.sign(v))
+
+    found = examine_arm(record_arm(simulation, round_off, rate=_RATE), simulation)
+    assert [one.effects for one in found.record.joints] == [(), (), ()]
+    for joint, level in zip(found.record.joints, (1.2, 0.8, 0.3), strict=True):
+        assert joint.friction["coulomb"].value == pytest.approx(level, rel=0.03)

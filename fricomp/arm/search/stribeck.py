@@ -94,7 +94,11 @@ def hold_curve(model: ArmModel, joint: int) -> ArmModel:
         model: With a curve in this joint.
         joint: Its number.
     """
-    return replace(model, pinned=model.pinned | _name_moves(model.forms[joint], joint, ("stribeck",)))
+    return _hold_moves(model, joint, "stribeck")
+
+
+def _hold_moves(model: ArmModel, joint: int, term: str) -> ArmModel:
+    return replace(model, pinned=model.pinned | _name_moves(model.forms[joint], joint, (term,)))
 
 
 def _name_moves(form: JointForm, joint: int, terms: Collection[str] = tuple(_MOVES)) -> set[tuple[int, str]]:
@@ -129,17 +133,17 @@ def _list_changed(model: ArmModel, other: ArmModel) -> list[int]:
 
 def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[ArmModel]:
     """Models in which the curve of one joint is another one that promises to be better, the most probable first."""
-    curved = [(j, form) for j, form in enumerate(fit.model.forms) if "stribeck" in form.names]
+    curved = [(j, form, term) for j, form in enumerate(fit.model.forms) for term in _MOVES if term in form.names]
     if not curved:
         return []
     glance, gains = Glance(equations, fit, prior), []
-    for j, form in curved:
-        now = glance.measure_gain(hold_curve(fit.model, j))
-        for k in range(len(TERMS["stribeck"].values)):
-            forms = (*fit.model.forms[:j], form.with_variant("stribeck", k), *fit.model.forms[j + 1 :])
+    for j, form, term in curved:
+        now = glance.measure_gain(_hold_moves(fit.model, j, term))
+        for k in range(len(TERMS[term].values)):
+            forms = (*fit.model.forms[:j], form.with_variant(term, k), *fit.model.forms[j + 1 :])
             other = replace(fit.model, forms=forms)
             gain = glance.measure_gain(other) - now  # it may move, as it will
-            if gain > _BETTER and is_curve(glance.solve(hold_curve(other, j)), j):
+            if gain > _BETTER and (term == CREEP or is_curve(glance.solve(hold_curve(other, j)), j)):
                 gains.append((gain, other))
     return [other for _, other in sorted(gains, key=lambda pair: -pair[0])]
 

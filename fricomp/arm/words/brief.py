@@ -221,7 +221,8 @@ def say_creep(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     if not shown:
         return ()
     return (
-        "Friction creeps below a speed, as that of MuJoCo does by its default solref, and is viscous there, in "
+        "Friction creeps below a speed, as that of simulators does (MuJoCo's by its default solref, others' as a "
+        "hyperbolic tangent of the velocity), and is viscous there, in "
         f"{', '.join(shown)}: its Coulomb level is that above. Joints of a robot stick; some look so that stick for a "
         "moment at each reversal.",
     )
