@@ -23,6 +23,7 @@ from .pruning import Pruning, measure_size
 from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .search.own_delay import measure_own_delay, refine_delays
+from .search.shared_delay import are_others_early
 from .search.stribeck import hold_curve, suit_curve
 from .uncertainty.scatter import widen_covariance
 
@@ -100,7 +101,7 @@ class ArmAnswer:
         if not is_whole(fit, joint, term):
             return "less than half of what its law asks for is there"
         if term == "torque_delay" and joint in self._unshown:
-            return "links and friction do not ask for it both"
+            return "links and friction do not ask for it both, or the other joints ask for torques that are early"
         return ""
 
     def list_unnamed(self, joint: int) -> dict[str, float]:
@@ -145,7 +146,12 @@ class ArmAnswer:
             return frozenset()
         glance = Glance(found.equations, found.fit, found.prior)
         torques = EarlyTorques(found.rows, found.equations, found.fit)
-        shown = {j: torques.shows(j, glance) if one <= 0.0 else torques.is_link_late(j) for j, one in values.items()}
+        shown = {
+            j: torques.shows(j, glance)
+            if one <= 0.0
+            else torques.is_link_late(j) and not are_others_early(glance, found.fit, j)
+            for j, one in values.items()
+        }
         return frozenset(j for j, one in shown.items() if not one)
 
     def _has_delay(self, joint: int) -> bool:

@@ -18,7 +18,7 @@ from .physics import find_reversed_term
 from .prior import ArmPrior
 from .rows import ArmRows
 from .search.early_torque import EarlyTorques
-from .search.stribeck import suit_curve
+from .search.stribeck import suit_creep, suit_curve
 
 _MOST_GAIN = 3.5
 """Prior deviations by which a gain of all torques may be off: by more, it is the unit of the torques, or no gain."""
@@ -86,7 +86,8 @@ def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
 def _drop_needless_bend(
     rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, kept: set[tuple[int, JointForm]]
 ) -> ArmModel | None:
-    """The model without a bend over the speed that the curve of its joint makes as well; None for no such.
+    """The model without a bend over the speed that the curve of its joint makes as well, or without a bristle that
+    friction that creeps does as well as; None for no such.
 
     Args:
         rows: Motion and torques.
@@ -102,6 +103,11 @@ def _drop_needless_bend(
             instead = suit_curve(rows, equations, fit, prior, without_term(fit.model, j, name), j)
             if instead is not None and instead.lost < EVIDENCE:
                 return instead.model
+        if "presliding_hysteresis" in form.names:
+            less = without_term(fit.model, j, "presliding_hysteresis")
+            creeping = suit_creep(rows, equations, fit, prior, less, j)
+            if creeping.lost < EVIDENCE:
+                return creeping.model
         kept.add((j, form))
     return None
 

@@ -67,7 +67,8 @@ def test_friction_that_is_a_hyperbolic_tangent_has_no_name(tmp_path: Path, part:
 
     def round_off(joint: int, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
         level = (1.2, 0.8, 0.3)[joint]
-        return level * (np.tanh(v / (part * np.max(np.abs(v)))) - np.sign(v))
+        rounded: FloatArray = np.tanh(v / (part * float(np.max(np.abs(v)))))
+        return level * (rounded - np.sign(v))
 
     found = examine_arm(record_arm(simulation, round_off, rate=_RATE), simulation)
     assert [one.effects for one in found.record.joints] == [(), (), ()]

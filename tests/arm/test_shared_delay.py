@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
+from fricomp.arm import examine_arm
 from fricomp.arm.coordinates import ArmModel
 from fricomp.arm.friction import JointForm
-from fricomp.arm.search.shared_delay import SharedDelay, agree, measure_seen, share_delays, take_median
+from fricomp.arm.search import shared_delay
+from fricomp.arm.search.shared_delay import (
+    SharedDelay,
+    agree,
+    are_others_early,
+    measure_seen,
+    share_delays,
+    take_median,
+)
+from fricomp.laws import FloatArray
+
+from .moving_arm import record_arm, write_arm
+
+_LEVELS = (1.2, 0.8, 0.3)
 
 
 def test_joints_with_one_delay_agree() -> None:
@@ -51,3 +68,37 @@ def test_a_delay_that_most_joints_have_is_one_of_all() -> None:
     plain, late = JointForm(), JointForm().with_term("torque_delay", 0)
     assert share_delays(ArmModel((late, late, plain))) == ArmModel((plain, plain, plain))
     assert share_delays(ArmModel((late, plain, plain))) == ArmModel((late, plain, plain))
+
+
+@pytest.mark.parametrize(
+    ("asked", "taken"),
+    [((5e-3, 3.5e-3, 9.7e-3), 3.5e-3), ((5e-3, 1e-3, 9.7e-3), 0.0), ((-5e-3, -3.5e-3), 0.0), ((5e-3, -3.5e-3), 0.0)],
+)
+def test_joints_that_are_all_late_are_as_late_as_the_least_of_them(asked: tuple[float, ...], taken: float) -> None:
+    found = SharedDelay(0.0, 1.6e-3, dict(enumerate(asked)), 4e-4)
+    assert found.take_least().value == taken
+
+
+@pytest.mark.parametrize(("others", "early"), [((-1.4e-3, -0.7e-3), True), ((-1.4e-3, 0.0), False)])
+def test_joints_may_all_ask_for_early_torques(
+    monkeypatch: pytest.MonkeyPatch, others: tuple[float, float], early: bool
+) -> None:
+    asked = np.array([1, 2]), np.array(others), np.full(2, 1.5e-4)
+    monkeypatch.setattr(shared_delay, "_ask_joints", lambda *_: asked)
+    assert are_others_early(cast(Any, None), cast(Any, None), 0) is early
+
+
+def test_one_joint_that_is_late_beside_others_leaves_them_their_delay(tmp_path: Path) -> None:
+    """Of three joints one that was 9 ms later left nothing sure; without any delay, rounded friction had a bristle."""
+    simulation = write_arm(tmp_path)
+
+    def round_off(joint: int, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
+        rounded: FloatArray = np.tanh(v / (0.05 * float(np.max(np.abs(v)))))
+        return _LEVELS[joint] * (rounded - np.sign(v))
+
+    recordings = record_arm(simulation, round_off, rate=100.0, delay=3e-3, noise=0.01)
+    time, torque = recordings[2].time, np.asarray(recordings[2].torque)
+    recordings[2] = recordings[2].with_channels(torque=np.interp(time - 9e-3, time, torque))
+    record = examine_arm(recordings, simulation).record
+    assert record.delay.value == pytest.approx(3e-3, abs=1e-3)
+    assert [[one.name for one in joint.effects] for joint in record.joints] == [[], [], ["torque_delay"]]

@@ -47,11 +47,13 @@ class SharedDelay(NamedTuple):
         value: By how much the torques are late [s].
         deviation: Its standard deviation [s].
         apart: Delay that each joint asks for by its number [s], where they do not agree.
+        spread: Largest standard deviation of these [s].
     """
 
     value: float
     deviation: float
     apart: dict[int, float]
+    spread: float = 0.0
 
     @property
     def is_sure(self) -> bool:
@@ -60,7 +62,17 @@ class SharedDelay(NamedTuple):
 
     def move(self, before: float, more: float) -> SharedDelay:
         """The same, of which `more` is taken off beside what was taken off before [s]."""
-        return SharedDelay(before + more, self.deviation, {joint: before + one for joint, one in self.apart.items()})
+        apart = {joint: before + one for joint, one in self.apart.items()}
+        return self._replace(value=before + more, apart=apart)
+
+    def take_least(self) -> SharedDelay:
+        """The time by which every joint is late at least, where all of them surely are; else none.
+
+        Joints that differ leave their median unsure, and one that is late beside the others makes few of them differ by
+        much: none at all would be further from each. Torques that look early seldom are.
+        """
+        least = min(self.apart.values(), default=0.0)
+        return self._replace(value=least if least > _SURE_APART * self.spread else 0.0)
 
 
 def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> SharedDelay:
@@ -75,7 +87,7 @@ def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> Shar
     if agree(delays, spread):
         return SharedDelay(*glance.solve(replace(fit.model, prompt=False)).delay, {})
     apart = dict(zip(joints[shown].tolist(), delays.tolist(), strict=True))
-    return SharedDelay(*take_median(delays, spread), apart)
+    return SharedDelay(*take_median(delays, spread), apart, float(np.max(spread)))
 
 
 def agree(values: FloatArray, spread: FloatArray) -> bool:
@@ -92,6 +104,14 @@ def is_before_most(glance: Glance, fit: ArmFit, joint: int) -> bool:
     joints, delays, spread = _ask_joints(replace(fit, model=_without_own(fit.model, joint)), glance)
     middle = float(np.median(delays))
     return float(delays[joints == joint][0]) < middle - _SURE_APART * _measure_width(delays, spread)
+
+
+def are_others_early(glance: Glance, fit: ArmFit, joint: int) -> bool:
+    """Whether all joints but this one surely ask for torques that are early; then nobody knows what they have in
+    common, since they are taken to be prompt, and this one may be as late as all of them."""
+    joints, delays, spread = _ask_joints(fit, glance)
+    others = joints != joint
+    return bool(np.any(others)) and bool(np.all(delays[others] < -_SURE_APART * spread[others]))
 
 
 def share_delays(model: ArmModel) -> ArmModel:

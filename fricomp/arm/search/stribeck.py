@@ -18,7 +18,7 @@ from fricomp.laws import FloatArray
 from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
-from ..friction import CREEP, TERMS, JointForm
+from ..friction import CREEP, TERMS, JointForm, is_rounded
 from ..glance import Glance
 from ..prior import ArmPrior
 from ..rows import ArmRows
@@ -140,8 +140,7 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
     for j, form, term in curved:
         now = glance.measure_gain(_hold_moves(fit.model, j, term))
         for k in range(len(TERMS[term].values)):
-            forms = (*fit.model.forms[:j], form.with_variant(term, k), *fit.model.forms[j + 1 :])
-            other = replace(fit.model, forms=forms)
+            other = replace(fit.model, forms=_change_form(fit.model, j, form.with_variant(term, k)))
             gain = glance.measure_gain(other) - now  # it may move, as it will
             if gain > _BETTER and (term == CREEP or is_curve(glance.solve(hold_curve(other, j)), j)):
                 gains.append((gain, other))
@@ -176,10 +175,44 @@ def suit_curve(
     return SuitedCurve(other, lost, there, moved)
 
 
-def _with_curve(model: ArmModel, joint: int, variant: int) -> ArmModel:
+def suit_creep(
+    rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, other: ArmModel, joint: int
+) -> SuitedCurve:
+    """Another model of a joint with the form and the speed of friction that creeps that suit that.
+
+    A part that creeps with one form, and a bristle beside it, make up for another form.
+
+    Args:
+        rows: Motion and torques.
+        equations: Of these rows.
+        fit: Of these equations.
+        prior: How far the simulation is trusted.
+        other: The model of the fit without something in that joint.
+        joint: Its number.
+    """
+    glance, size = Glance(equations, fit, prior), len(TERMS[CREEP].values)
+    bare = replace(other, forms=_change_form(other, joint, other.forms[joint].without_term(CREEP)))
+    every = [_with_curve(bare, joint, k, CREEP) for k in range(size)]
+    starts = [max(own, key=glance.measure_gain) for own in (_pick(every, rounded=one) for one in (False, True))]
+    now, found = _weigh_still(equations, fit, prior), []
+    for start in starts:
+        there, moved = refine_stribeck(rows, equations, fit_arm(fit.arm, equations, start, prior, fit), prior)
+        found.append(SuitedCurve(there.model, now - _weigh_still(moved, there, prior), there, moved))
+    return min(found, key=lambda one: one.lost)
+
+
+def _pick(models: Sequence[ArmModel], *, rounded: bool) -> list[ArmModel]:
+    """Of models with each variant of friction that creeps, those of one form."""
+    return [model for k, model in enumerate(models) if is_rounded(k) == rounded]
+
+
+def _with_curve(model: ArmModel, joint: int, variant: int, term: str = "stribeck") -> ArmModel:
     """The model with a curve in a joint that has none."""
-    form = model.forms[joint].with_term("stribeck", variant)
-    return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))
+    return replace(model, forms=_change_form(model, joint, model.forms[joint].with_term(term, variant)))
+
+
+def _change_form(model: ArmModel, joint: int, form: JointForm) -> tuple[JointForm, ...]:
+    return (*model.forms[:joint], form, *model.forms[joint + 1 :])
 
 
 def _weigh_still(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> float:

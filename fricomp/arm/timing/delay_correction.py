@@ -58,7 +58,8 @@ def take_off_delay(
         rows, equations = move_torques(rows, equations, total)
     if found.is_sure or not total:
         return rows, equations, found, ahead and not total
-    return *move_torques(rows, equations, 0.0), found._replace(value=0.0), ahead
+    least = found.take_least()
+    return *move_torques(rows, equations, least.value), least, ahead and not least.value
 
 
 def move_torques(rows: ArmRows, equations: ArmEquations, delay: float) -> tuple[ArmRows, ArmEquations]:
