@@ -82,6 +82,8 @@ class FileErrors(msgspec.Struct, frozen=True, kw_only=True):
         torque: That of `arm.xml` with `friction.json`.
         band: Upper end of the band in which torques are compared [Hz].
         positions: Errors of open-loop motion.
+        best_gain: Factor on the friction of `friction.json` that would have left least of the torques, beside the load
+            of `arm.xml`: what a compensator could have taken. None where the file has no friction.
     """
 
     torque_simulation: float
@@ -89,6 +91,7 @@ class FileErrors(msgspec.Struct, frozen=True, kw_only=True):
     torque: float
     band: float
     positions: tuple[PositionErrors, ...] = ()
+    best_gain: Quantity | None = None
 
 
 class JointRecord(msgspec.Struct, frozen=True, kw_only=True):

@@ -23,7 +23,7 @@ _NEAR = 6
 _FEWEST = 20
 """Rows from which a spread is measured."""
 
-_BLOCK_TIME = 1.0
+BLOCK_TIME = 1.0
 """[s] of rows that may be wrong together: structure rings and friction creeps for less."""
 
 _MOST_INFLATION = 2.0
@@ -94,7 +94,7 @@ def _measure_spread(values: FloatArray, most: float) -> float:
 def _measure_inflation(score: FloatArray, rows: ArmRows) -> float:
     """How much more the sums of blocks stray than those of independent rows would; 1 where they do not."""
     duration = sum(float(np.ptp(rows.time[rows.part == k])) for k in np.unique(rows.part))
-    length = max(1, round(_BLOCK_TIME * len(rows) / max(duration, 1e-9)))
+    length = max(1, round(BLOCK_TIME * len(rows) / max(duration, 1e-9)))
     sums = np.add.reduceat(score, np.arange(0, len(score), length))
     total = float(score @ score)
     return max(1.0, float(sums @ sums) / total) if total > 0.0 else 1.0

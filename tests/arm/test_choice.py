@@ -10,7 +10,9 @@ import pytest
 from msgspec.structs import replace as change
 
 from fricomp.arm import ArmExamination, examine_arm
-from fricomp.arm.output import choice
+from fricomp.arm.law_fit import fit_within_law
+from fricomp.arm.output import best_gain, choice
+from fricomp.arm.output.best_gain import find_best_gain
 from fricomp.arm.output.choice import WrittenFiles, add_file_errors, prepare_files
 from fricomp.arm.record import ArmRecord, FileErrors, JointEffect, PositionErrors
 from fricomp.arm.rigid.inertia import N_INERTIA
@@ -38,6 +40,22 @@ def test_links_nearer_the_simulation_are_written_where_they_go_less_wrong(
     assert written.notes
     assert away < found
     assert set(written.errors) == {"shoulder", "elbow", "wrist"}
+
+
+def test_the_best_gain_is_that_on_what_the_files_hold(
+    plain: tuple[ArmExamination, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = plain[0].answer.identification
+    every = np.ones(len(found.rows), dtype=bool)
+    whole = find_best_gain(found, 1, every)
+    held = {name: 2.0 * value for name, value in fit_within_law(found, 1).items()}
+    monkeypatch.setattr(best_gain, "fit_within_law", lambda *_: held)
+    half = find_best_gain(found, 1, every)
+    assert whole is not None
+    assert half is not None
+    assert whole.value == pytest.approx(1.0, abs=0.01)
+    assert half.value == pytest.approx(0.5 * whole.value)
+    assert whole.ci95[0] < whole.value < whole.ci95[1]
 
 
 def test_a_joint_that_the_files_make_no_better_is_told(plain: tuple[ArmExamination, Path]) -> None:

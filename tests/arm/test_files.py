@@ -110,10 +110,14 @@ def test_the_corrected_simulation_weighs_what_was_found(folder: Path) -> None:
 
 def test_the_written_files_predict_what_they_were_not_fitted_to(folder: Path) -> None:
     """The hand is a kilogram heavier than simulated: torque and motion of all joints in line with it are better."""
-    for joint in load_arm_record(folder / "arm.json").joints:
+    record = load_arm_record(folder / "arm.json")
+    for joint in record.joints:
         files = joint.files
         assert files is not None
         assert files.torque < 1.2 * files.torque_fit + 0.002
+        assert files.best_gain is not None
+        assert files.best_gain.value == pytest.approx(1.0, abs=0.02)
+        assert any("would have been compensated best" in one and joint.name in one for one in record.sentences)
         assert [each.after for each in files.positions] == pytest.approx([0.1, 0.5, 2.0], abs=0.01)
         if joint.name != "wrist":
             assert files.torque < 0.2 * files.torque_simulation

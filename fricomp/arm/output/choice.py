@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.blas import one_blas_thread
+from fricomp.control.compensation.choice import DEFAULT_GAIN
 from fricomp.errors import FricompError
 from fricomp.evaluation import ArmEvaluation
 from fricomp.evaluation.arm import JointErrors
@@ -32,6 +33,7 @@ from ..prior import ArmPrior
 from ..record import ArmRecord, FileErrors, JointRecord
 from ..row_weights import BoolArray
 from ..search.gear import YIELDING_GEAR
+from ..words.quantity import show_quantity
 from .evaluation import FileTrial, compare_files, hold_out
 
 _NEARER = 0.3
@@ -216,6 +218,7 @@ def _say_files(joints: Sequence[JointRecord]) -> tuple[str, ...]:
             f"median position error changes from the simulation with Coulomb and viscous friction to these files: "
             f"{parts}."
         )
+    lines += _say_gains(known)
     for joint, files in known:
         lines += _say_worse(joint, files)
         if files.torque > _WORSE * files.torque_fit:
@@ -224,6 +227,18 @@ def _say_files(joints: Sequence[JointRecord]) -> tuple[str, ...]:
                 f"{joint.unit}, that of the fit {files.torque_fit:.3g} {joint.unit}."
             )
     return tuple(lines)
+
+
+def _say_gains(known: Sequence[tuple[JointRecord, FileErrors]]) -> list[str]:
+    """Which part of the friction of the files a compensator could have taken on held-out data."""
+    gains = [f"{joint.name} {show_quantity(files.best_gain)}" for joint, files in known if files.best_gain is not None]
+    if not gains:
+        return []
+    return [
+        f"On held-out data these parts of the friction in the files would have been compensated best: "
+        f"{', '.join(gains)}. ArmCompensator takes {DEFAULT_GAIN:g} of it, so as not to push where there is less; "
+        "gain=... of `ArmCompensator.read` takes another part."
+    ]
 
 
 def _warn_in_short(joints: Sequence[JointRecord]) -> tuple[str, ...]:

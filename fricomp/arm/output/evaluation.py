@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.diagnosis.record.result import Quantity
 from fricomp.evaluation.arm import ArmEvaluation, JointErrors, evaluate_arm
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
@@ -22,6 +23,7 @@ from ..fit import ArmFit
 from ..friction_model import build_friction_model
 from ..record import FileErrors, PositionErrors
 from ..row_weights import BoolArray
+from .best_gain import find_best_gain
 from .corrected_simulation import correct_simulation
 
 __all__ = ["FileTrial", "compare_files", "hold_out"]
@@ -108,8 +110,10 @@ def compare_files(trial: FileTrial, fit: ArmFit, before: ArmEvaluation, after: A
     used = equations.moving & ~trial.trained[:, None]
     left = np.where(used, fit.residuals(equations), 0.0)
     own = np.sqrt(np.sum(left**2, axis=0) / np.maximum(np.sum(used, axis=0), 1))
-    pairs = zip(fit.arm.joints, (own / find_scales(fit)).tolist(), strict=True)
-    return {name: _compare(before.joint(name), after.joint(name), fitted) for name, fitted in pairs}
+    part = replace(trial.answer.identification, fit=fit)
+    gains = [find_best_gain(part, j, used[:, j]) for j in range(len(fit.arm.joints))]
+    pairs = zip(fit.arm.joints, (own / find_scales(fit)).tolist(), gains, strict=True)
+    return {name: _compare(before.joint(name), after.joint(name), fitted, gain) for name, fitted, gain in pairs}
 
 
 def hold_out(time: FloatArray) -> tuple[BoolArray, Spans, Spans]:
@@ -132,13 +136,14 @@ def _build_plain(answer: ArmAnswer, joint: int, values: Sequence[float]) -> Fric
     return replace(whole, law=FrictionLaw((BidirectionalStribeck(curves[0], curves[1]),)))
 
 
-def _compare(before: JointErrors, after: JointErrors, fitted: float) -> FileErrors:
+def _compare(before: JointErrors, after: JointErrors, fitted: float, gain: Quantity | None) -> FileErrors:
     pairs = zip(before.position, after.position, strict=True)
     return FileErrors(
         torque_simulation=before.torque.rms,
         torque_fit=fitted,
         torque=after.torque.rms,
         band=after.torque.band,
+        best_gain=gain,
         positions=tuple(
             PositionErrors(after=b.after, simulation=a.median, files=b.median, travel=b.travel, unit=b.unit)
             for a, b in pairs

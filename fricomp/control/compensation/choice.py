@@ -22,7 +22,7 @@ _DEFAULT_SHARE = 0.5
 _PREDICTED_MARGIN = 1.25 * LIMIT_CYCLE_MARGIN
 _CURE = "try a shorter delay or another bandwidth in fricomp check-loop"
 _LOWEST_GAIN = 0.5
-_DEFAULT_GAIN = 0.95
+DEFAULT_GAIN = 0.95
 _HIGHEST_GAIN = 0.98
 
 
@@ -174,6 +174,6 @@ def _gain(model: FrictionModel, velocity_range: tuple[float, float]) -> tuple[fl
     if find_doubt(model) is not None:
         return _LOWEST_GAIN, [f"the model is not trusted; gain {_LOWEST_GAIN:g}"]
     if gain is None:
-        return _DEFAULT_GAIN, [f"the model has no covariance; gain {_DEFAULT_GAIN:g}"]
+        return DEFAULT_GAIN, [f"the model has no covariance; gain {DEFAULT_GAIN:g}"]
     bounded = min(max(gain, _LOWEST_GAIN), _HIGHEST_GAIN)
     return bounded, [f"gain {bounded:.3f} from the lower 95 % bound of the friction"]
