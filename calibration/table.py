@@ -11,6 +11,7 @@ from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording.named.choice import choose_columns
 from fricomp.recording.named.column import RAW_UNIT, ColumnMeaning, read_column_name
+from fricomp.recording.named.head_fact import read_head_facts
 from fricomp.recording.named.source import explain_unnamed, read_layout, read_named_columns
 from fricomp.recording.named.times.clock import find_stamps
 from fricomp.recording.number_rows import read_head, read_number_rows
@@ -61,6 +62,8 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
         return False
     if "velocity" in said and said & {"torque", "current"}:
         return True
+    if "rate" in read_head_facts(Path(path)):
+        return False
     raise RecordingError(_explain_header(path, list(names) or columns))
 
 

@@ -12,10 +12,10 @@ TOKEN = re.compile(
 _QUANTITIES = {
     "position": """q pos position positions angle angles theta qpos winkel posizione phi ang displacement stroke weg
         lage posicion posicao positie poloha pozycja angulo angolo hoek vinkel угол положение позиция координата кут θ φ
-        位置 角度 角 转角 轉角 각도 위치""",
+        位置 角度 角 转角 轉角 각도 위치 fpos""",
     "velocity": """dq qd qdot geschw vel velo velocity velocities speed omega spd qvel dtheta thetadot geschwindigkeit
         drehzahl vitesse velocidad velocidade velocita snelheid hastighet rychlost predkosc скорость швидкість ω
-        角速度 速度 转速 轉速 回転数 각속도 속도""",
+        角速度 速度 转速 轉速 回転数 각속도 속도 fvel""",
     "acceleration": "ddq qdd qddot acc acceleration accelerations qacc beschleunigung ускорение",
     "torque": """tau torque torques effort efforts eff moment trq torq tq tor force drehmoment kraft couple coppia
         koppel vridmoment pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",

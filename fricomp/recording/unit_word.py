@@ -12,7 +12,7 @@ UNKNOWN_UNIT = "?"
 
 _SPELLED = {
     "deg": "deg degree degrees grad mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg cdeg=cdeg cdegrees=cdeg"
-    " mrad=mrad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
+    " mrad=mrad urad=urad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
     "gon": "gon gons gradian gradians",
     "arcmin": "arcmin arcmins arcminute arcminutes arcsec=arcsec arcsecs=arcsec arcseconds=arcsec",
     "turns": "turn turns rev revs revolution revolutions rot rots rotation rotations mrev=mturns mrevs=mturns"
@@ -26,7 +26,8 @@ _SPELLED = {
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
     "Nm": "nm n·m mnm=mNm mn·m=mNm nmm=mNm n·mm=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm н·м нм мн·м=mNm"
     " newton·meters newton·meter newton·metres",
-    "kgf·cm": "kgf·cm kg·cm kgfcm kgcm",
+    "kgf·cm": "kgf·cm kg·cm kgfcm kgcm kgf·m=kgf·m kg·m=kgf·m kgfm=kgf·m kgm=kgf·m",
+    "gf·cm": "gf·cm g·cm gfcm gcm unm=uNm un·m=uNm",
     "in·lbf": "in·lbf in·lb lbf·in lb·in inlbf inlb lbin lbfin",
     "ft·lbf": "ft·lbf ft·lb lbf·ft lb·ft ftlbf ftlb lbft lbfft",
     "oz·in": "oz·in ozf·in in·oz in·ozf ozin ozfin inoz",
@@ -88,8 +89,6 @@ _BARE = re.compile(
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )
-_MOMENT = re.compile(r"(?:[uµμ]n|gf?|kgf?)[·._*-]?c?m", re.IGNORECASE)
-"""Units of a torque that are not converted; passed over, they would be taken for N·m."""
 _REGISTER = re.compile(r"0x[0-9A-Fa-f]+")
 """Address of a register, whose last letter is no unit: `0x606C`."""
 _BEHIND_IN = re.compile(r"\bin ([^\s,;]+)$")
@@ -171,7 +170,7 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
         return [UnitWord(read_unit(behind.group(1)), behind.span(), behind.group(1))]
     name = _REGISTER.sub(lambda number: " " * len(number.group()), name)
     phrases = _find_phrases(name, begin)
-    bare = [(match, _read_bare(match.group())) for match in _BARE.finditer(name) if match.start() > begin]
+    bare = [(match, read_unit(match.group())) for match in _BARE.finditer(name) if match.start() > begin]
     apart = [UnitWord(unit, match.span(), match.group()) for match, unit in bare if unit]
     said = _take_longest([*apart, *phrases])
     return [one._replace(unit=UNKNOWN_UNIT) if _STEP.search(_spaced(name[: one.span[0]])) else one for one in said]
@@ -246,11 +245,6 @@ def _read_phrase(matches: Sequence[re.Match[str]]) -> str:
     if prefix or over:
         return ""
     return _NAMES.get(spelled, UNKNOWN_UNIT if len(words) > 1 else "")
-
-
-def _read_bare(text: str) -> str:
-    """Name of a unit that stands alone; empty where it is none."""
-    return read_unit(text) or (UNKNOWN_UNIT if _MOMENT.fullmatch(text) else "")
 
 
 def read_unit(text: str) -> str:

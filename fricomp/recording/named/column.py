@@ -41,6 +41,7 @@ _OUTSIDE_OF = {
 """Words of what is none of the joint's: parts of a torque, a current that goes into a drive, an angle within a pair of
 poles.
 """
+_UNIT_FIRST = re.compile(r"(mNm|Ncm|Nm|mA|mm|mrad|rad|deg|rpm)_(?=.)")
 _AXES = ("i", "current", "currents", "curr", "cur", "amps", "strom", "voltage", "volt", "spannung")
 """Words beside which `q` and `d` are axes of the field."""
 
@@ -220,11 +221,12 @@ def _settle_quantity(quantity: str, said: list[UnitWord]) -> str:
 
 
 def _find_units(name: str, word: tuple[str, tuple[int, int]]) -> list[UnitWord]:
-    """The units that a name states behind the word of its quantity."""
+    """The units that a name states behind the word of its quantity, or in front of all: `mNm_tau`."""
     said = find_unit_words(name, word[1][0])
     if word[0] in _ANGLES or WORDS.get(word[0]) == "torque":  # theta_m and tau_m are a motor's, and not in metres
-        return [one for one in said if one.text not in ("m", "mm")]
-    return said
+        said = [one for one in said if one.text not in ("m", "mm")]
+    first = None if said else _UNIT_FIRST.match(name)
+    return [UnitWord(read_unit(first[1]), first.span(), first[1])] if first else said
 
 
 def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quantity: str, *, has_unit: bool) -> str:

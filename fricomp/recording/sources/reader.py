@@ -1,5 +1,6 @@
 """Which module reads which format."""
 
+import codecs
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -163,7 +164,7 @@ def is_text(path: Path) -> bool:
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return SUFFIXES[suffix] == "text"
-    if suffix in _ELSEWHERE:
+    if suffix in _ELSEWHERE and not (suffix == ".xls" and path.is_file() and _begins_page(path)):
         raise RecordingError(
             f"{path} is {_ELSEWHERE[suffix]}, which is not read here: save it as CSV or Parquet there, or as MAT "
             "or NPZ, with a column each for time, position and torque"
@@ -174,6 +175,16 @@ def is_text(path: Path) -> bool:
         )
     if not path.is_file():
         return False
+    return _holds_text(path)
+
+
+def _begins_page(path: Path) -> bool:
+    """Whether a file is a page or XML, as programs call spreadsheets that they write in these forms."""
+    with path.open("rb") as stream:
+        return stream.read(_TEXT_SAMPLE).lstrip(codecs.BOM_UTF8).lstrip().startswith(b"<")
+
+
+def _holds_text(path: Path) -> bool:
     with path.open("rb") as stream:
         start = stream.read(_TEXT_SAMPLE)
     return b"\0" not in start and any(byte in b"0123456789" for byte in start)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fricomp.calibration.table import is_friction_table
 from fricomp.recording import Recording, convert, load_mapping
 from fricomp.recording.file import read_content
 from fricomp.recording.inspection.inspection import inspect_log
@@ -82,4 +83,42 @@ def test_a_scope_that_calls_its_channels_by_numbers_is_proposed_with_its_rate(tm
     path.write_text(head + join([np.arange(TIME.size), POSITION, VELOCITY, TORQUE], ","))
     (tmp_path / "log.toml").write_text(inspect_log(path).guess)
     (found,) = convert(path, load_mapping(tmp_path / "log.toml"))
+    require_same(found.recording)
+
+
+def as_controller_trace() -> tuple[str, str]:
+    head = f"Sampling period [ms];{1e3 * STEP:g}\nFPOS(0) [deg];FVEL(0) [deg/s];TORQUE(0) [Nm]\n"
+    return "trace.csv", head + join([np.degrees(POSITION), np.degrees(VELOCITY), TORQUE], ";")
+
+
+def as_sentences() -> tuple[str, str]:
+    rows = join([TIME, POSITION, TORQUE], ",").splitlines()
+    return "log.txt", "time,pos,torque\n" + "".join(f"$JNT,{row}*5A\n" for row in rows)
+
+
+def as_names_broken_in_their_quotes() -> tuple[str, str]:
+    head = '"Time\n[s]","Joint\nposition\n[deg]","Torque\n[mN.m]"\n'
+    return "sheet.csv", head + join([TIME, np.degrees(POSITION), 1e3 * TORQUE], ",")
+
+
+def as_page_called_a_spreadsheet() -> tuple[str, str]:
+    rows = zip(TIME, POSITION, TORQUE, strict=True)
+    cells = "".join(f"<tr><td>{t:.9g}</td><td>{q:.9g}</td><td>{tau:.9g}</td></tr>\n" for t, q, tau in rows)
+    return "log.xls", f"<html><table><tr><td>time [s]</td><td>q [rad]</td><td>tau [Nm]</td></tr>\n{cells}</table>"
+
+
+@pytest.mark.parametrize("form", [as_controller_trace, as_names_broken_in_their_quotes, as_page_called_a_spreadsheet])
+def test_forms_of_programs_of_drives_and_sheets_are_read(form: Form, tmp_path: Path) -> None:
+    name, text = form()
+    (tmp_path / name).write_text(text)
+    require_same(read_content(tmp_path / name).recording)
+    if name.endswith(".csv"):
+        assert not is_friction_table(tmp_path / name)
+
+
+def test_rows_with_sums_at_their_ends_are_proposed(tmp_path: Path) -> None:
+    name, text = as_sentences()
+    (tmp_path / name).write_text(text.split("\n", 1)[1])
+    (tmp_path / "log.toml").write_text(inspect_log(tmp_path / name).guess)
+    (found,) = convert(tmp_path / name, load_mapping(tmp_path / "log.toml"))
     require_same(found.recording)

@@ -35,10 +35,17 @@ def test_newton_millimetres_are_known(name: str, tmp_path: Path) -> None:
     assert recording.torque == pytest.approx(LOG.torque, abs=1e-8)
 
 
-@pytest.mark.parametrize("name", ["torque_gcm", "torque_uNm", "tau_gf_cm", "torque_kgm"])
-def test_a_unit_of_torque_that_is_not_converted_is_asked_about(name: str, tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="is not known: say in a mapping"):
-        read_named_log(_write(tmp_path / "log.csv", f"t,q_rad,{name}"))
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [
+        *(("torque_gcm", 1.0 / 9.80665e-5), ("torque_uNm", 1e6), ("tau_gf_cm", 1.0 / 9.80665e-5)),
+        *(("torque_kgm", 1.0 / 9.80665), ("mNm_tau", 1e3), ("torque [gf·cm]", 1.0 / 9.80665e-5)),
+    ],
+)
+def test_torques_of_small_and_of_large_motors_are_converted(name: str, factor: float, tmp_path: Path) -> None:
+    (recording,) = read_named_log(_write(tmp_path / "log.csv", f"t,q_rad,{name}", factor)).recordings
+    assert recording.torque == pytest.approx(LOG.torque, rel=1e-6, abs=1e-7)
+    assert recording.metadata.torque_unit == "N·m"
 
 
 def test_a_motor_whose_quantities_have_a_topic_each_is_asked_about_by_their_names(tmp_path: Path) -> None:

@@ -35,6 +35,10 @@ _PYTHON = re.compile(
     r"\(([^(),]*|\[[^()\[\]]*\])(?:,\s*\w+=[^()]*)?\)"
 )
 """A number or a list as Python shows it: `np.float64(0.1)`, `array([0.1, 0.2], dtype=float32)`, `tensor(0.1)`."""
+_SENTENCE = re.compile(r"^\$[A-Za-z]\w*,(.*)\*[0-9A-Fa-f]{2}\s*$")
+"""A row as receivers of satellites write it, and devices that took that form over."""
+_MOST_HEADINGS = 12
+"""Lines among which a name may be broken."""
 _FEWEST_ENTRIES = 3
 """Numbers of a line of XML that are a row: time, position and torque."""
 _MOST_CHANNELS, _LONG_ROW, _LONG_LINE = 64, 200, 400
@@ -54,6 +58,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     try:
+        lines = _join_quoted(_strip_checksums(lines))
         lines = tabulate_dump(lines) or tabulate_variables(lines) or tabulate_matrices(lines) or _read_python(lines)
         lines = tabulate_proto(lines) or tabulate_latex(lines) or lines
         lines = _unwrap(lines) or _join_decimals(lines) or lines
@@ -65,6 +70,26 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     except csv.Error:
         return lines  # whose reader says what is wrong with it
     return tabulate_labelled(lines, is_whole=is_whole) or lines
+
+
+def _join_quoted(lines: list[str]) -> list[str]:
+    """The lines with names in one that are broken within their quotes, as spreadsheets write them."""
+    joined, begun = list[str](), ""
+    for number, line in enumerate(lines[:_MOST_HEADINGS]):
+        begun = f"{begun} {line}" if begun else line
+        if begun.count('"') % 2 and number + 1 < min(len(lines), _MOST_HEADINGS):
+            continue
+        joined.append(begun)
+        begun = ""
+    return [*joined, *lines[_MOST_HEADINGS:]] if len(joined) < len(lines[:_MOST_HEADINGS]) else lines
+
+
+def _strip_checksums(lines: list[str]) -> list[str]:
+    """Rows of numbers without the word in front and the sum at the end of each: `$JNT,0.1,0.2*5A`."""
+    first = [line for line in lines[:FIRST_LINES] if line.strip()]
+    if not first or sum(_SENTENCE.match(line) is not None for line in first) <= _MOSTLY * len(first):
+        return lines
+    return [match.group(1) for line in lines if (match := _SENTENCE.match(line))]
 
 
 def _read_python(lines: list[str]) -> list[str]:
