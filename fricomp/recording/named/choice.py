@@ -34,6 +34,7 @@ Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
 """Column and its meaning, by what is left of the column's name for the joint, and by channel."""
 _Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
 
+_NUMBERED_MOTOR = re.compile(r"(?<![A-Za-z])motor[_ ]?\[?\d", re.IGNORECASE)
 _REPEATED = re.compile(rf"{REPEATED}\d+$")
 INTEGRAL = ""
 """Name of the column of a position that is the integral of the velocity."""
@@ -90,7 +91,7 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         name: meaning for name in columns if (meaning := read_vendor_name(name, columns) or read_column_name(name))
     }
     known = pair_encoders(known | read_shared_rests(columns))
-    known |= read_currents(columns, known) | asked
+    known = _take_numbered_motors(known) | read_currents(columns, known) | asked
     _refuse_repeated(path, known, channels)
     known = {name: meaning for name, meaning in known.items() if name in asked or not _REPEATED.search(name)}
     by_word = {meaning.channel for meaning in known.values()}
@@ -105,6 +106,23 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         own = candidates.setdefault(simplify_joint(meaning.joint), {})
         own.setdefault(meaning.channel, []).append((name, meaning))
     return {joint: own for each in candidates.items() for joint, own in _separate_paths(*each).items()}
+
+
+def _take_numbered_motors(known: Mapping[str, ColumnMeaning]) -> dict[str, ColumnMeaning]:
+    """The columns with `motor1_pos` as the position of a joint, where nothing is called a position without such a word.
+
+    A number behind tells one actuator from others, and not a motor from its joint.
+    """
+    if any(meaning.channel == "position" for meaning in known.values()):
+        return dict(known)
+    return {
+        name: replace(meaning, channel="position") if _is_numbered_motor(name, meaning) else meaning
+        for name, meaning in known.items()
+    }
+
+
+def _is_numbered_motor(name: str, meaning: ColumnMeaning) -> bool:
+    return meaning.channel == "motor_position" and _NUMBERED_MOTOR.search(name) is not None
 
 
 def _drop_shared_words(candidates: _Candidates) -> _Candidates:

@@ -7,7 +7,8 @@ from fricomp.recording.quantity_word import TOKEN, WANTED, WORDS, find_object, s
 from fricomp.recording.unit import UNITS
 from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
 
-_MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "feedback": 1, "fb": 1, "state": 1, "states": 1}
+_MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "state": 1, "states": 1}
+_MEASURED |= dict.fromkeys(("feedback", "fb", "fdb", "fbk"), 1)
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0, "mean": 0}
 _MEASURED |= {"mech": 0, "mechanical": 0, "pv": 2}

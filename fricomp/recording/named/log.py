@@ -86,7 +86,8 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     Raises:
         RecordingError: The columns do not say where time, position or torque is.
     """
-    column, unit, time = read_times(path, columns)
+    asked = set(channels.values())  # `t` may be a torque
+    column, unit, time = read_times(path, {name: values for name, values in columns.items() if name not in asked})
     chosen = choose_columns(path, columns, channels)
     moved = [joint for joint, own in chosen.items() if "position" in own]
     source = next((one for one in TORQUES if any(one in chosen[joint] for joint in moved)), "")

@@ -6,5 +6,6 @@ JOINT_LABELS = ("joint", "joint_name", "motor", "motor_name", "axis", "actuator"
 SIGNAL_LABELS = (
     *("__name__", "name", "target", "metric", "field", "_field", "measurement", "label", "refid"),
     *("signal", "variable", "channel", "topic", "key", "tag", "series"),
+    *("nodeid", "node_id", "displayname", "display_name", "browsename"),
 )
 """What a number is; where several of these are there, the first of them says it."""

@@ -37,6 +37,8 @@ _PYTHON = re.compile(
 """A number or a list as Python shows it: `np.float64(0.1)`, `array([0.1, 0.2], dtype=float32)`, `tensor(0.1)`."""
 _SENTENCE = re.compile(r"^\$[A-Za-z]\w*,(.*)\*[0-9A-Fa-f]{2}\s*$")
 """A row as receivers of satellites write it, and devices that took that form over."""
+_PUBLISHED = re.compile(r"^\s*(\d[\dT:.+Z-]*)[\s,;]+([A-Za-z/_][\w/.\[\]-]*)[\s,;]+([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*$")
+"""When, on which topic and what, as a broker's client prints it: `1710460790.25 robot/elbow/position 0.1`."""
 _MOST_HEADINGS = 12
 """Lines among which a name may be broken."""
 _FEWEST_ENTRIES = 3
@@ -63,6 +65,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         lines = tabulate_proto(lines) or tabulate_latex(lines) or lines
         lines = _unwrap(lines) or _join_decimals(lines) or lines
         lines = tabulate_yaml(lines) or _tabulate_metrics(lines) or _tabulate_arrived(lines) or lines
+        lines = _tabulate_published(lines) or lines
         lines = _tabulate_elements(lines) or _transpose(lines) or _name_joint_states(lines) or lines
         layout = find_layout(lines[:FIRST_LINES])
         if layout is not None and layout.names:
@@ -139,6 +142,14 @@ def _tabulate_metrics(lines: Sequence[str]) -> list[str] | None:
             joint = _JOINT_LABEL.search(labels or "")
             rows.append(f"{stamp},{joint.group(1) + '/' if joint else ''}{name},{value}")
     return rows
+
+
+def _tabulate_published(lines: Sequence[str]) -> list[str] | None:
+    """Rows of time, topic and value below their names; None where the lines are no such."""
+    first = [line for line in lines[:FIRST_LINES] if line.strip() and not is_comment(line)]
+    if not first or sum(_PUBLISHED.match(line) is not None for line in first) < len(first):
+        return None
+    return ["time,topic,value", *(",".join(match.groups()) for line in lines if (match := _PUBLISHED.match(line)))]
 
 
 def _tabulate_arrived(lines: Sequence[str]) -> list[str] | None:
