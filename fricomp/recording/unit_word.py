@@ -83,7 +83,7 @@ _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
-    r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
+    r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|[uµμ]rad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
     r"|turns/s|turns|rev/s|rev|mnm|nmm|n[·._*-]?cm|cnm|knm|nm|m?n[·._*]m|n[·._*-]mm|[uµμ]nm|[uµμ]n[·._*-]m|gf?[·._*-]?cm|kgf?[·._*-]?m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|[uµμ]m|m/s|cm|degc|kn|mv|e?rpm"
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
@@ -116,7 +116,7 @@ _SYMBOLS = {
 """Words in which a unit is spelled out, and the symbols that they are."""
 _SHORT = (
     *("mdeg", "cdeg", "mrad", "rpm", "rps", "dps", "radps", "degps", "nm", "mnm", "nmm", "ncm", "cnm", "knm", "ma"),
-    *("gon", "arcmin", "arcsec", "mrev", "mrevs", "mturns", "krpm"),
+    *("urad", "gon", "arcmin", "arcsec", "mrev", "mrevs", "mturns", "krpm"),
     *("mm", "cm", "kg", "kgf", "kgcm", "kgfcm", "ozin", "inlb", "inlbf", "ftlb", "ftlbf", "lbft", "lbin"),
 )
 """Units in a few letters that mean nothing else as a word of their own: `speedRpm`."""

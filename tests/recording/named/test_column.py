@@ -106,7 +106,14 @@ def test_a_unit_says_what_a_column_is_where_no_word_does(name: str, channel: str
 @pytest.mark.parametrize(
     ("name", "unit"),
     [
-        *(("pos_um", "um"), ("position_µm", "um"), ("torque_kgf.cm", "kgf·cm"), ("torque_kg-cm", "kgf·cm")),
+        *(
+            ("pos_um", "um"),
+            ("pos_urad", "urad"),
+            ("q [µrad]", "urad"),
+            ("position_µm", "um"),
+            ("torque_kgf.cm", "kgf·cm"),
+            ("torque_kg-cm", "kgf·cm"),
+        ),
         *(
             ("torque_oz.in", "oz·in"),
             ("torque_in.lb", "in·lbf"),
