@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from fricomp.recording.sources.cell import is_number
 from fricomp.recording.sources.text_layout import FIRST_LINES
 
-_SETS = re.compile(r"^\s*([A-Za-z][\w.]*)\s*=\s*\[", re.MULTILINE)
-_MATRIX = re.compile(r"^\s*([A-Za-z][\w.]*)\s*=\s*\[([^\[\]]*)(?:\]|\Z)\s*(['.]*)\s*;?", re.MULTILINE)
+_SETS = re.compile(r"^[ \t]*([A-Za-z][\w.]*)\s*=\s*\[")
+_MATRIX = re.compile(r"^[ \t]*([A-Za-z][\w.]*)[ \t]*=[ \t]*\[([^\[\]]*)(?:\]|\Z)\s*(['.]*)\s*;?", re.MULTILINE)
 _CELLS = re.compile(r"=\s*[{\[]\s*((?:['\"][^'\"]*['\"][\s,;]*)+)[}\]]")
 _WORD = re.compile(r"['\"]([^'\"]*)['\"]")
 """Beginning of a matrix; its name, numbers, which may be cut off, and what turns it; words in braces, which may be the
@@ -16,7 +16,6 @@ _COMMENT = re.compile(r"%(.*)$", re.MULTILINE)
 _GOES_ON = re.compile(r"\.\.\.[^\n]*\n")
 _FEWEST_ROWS, _FEWEST_COLUMNS = 10, 3
 _NAMES_APART = (re.compile(r"\s*[,;|\t]\s*"), re.compile(r"\s{2,}"), re.compile(r"\s+"))
-_LATEX_ROW = re.compile(r"^(.*&.*?)\s*\\\\")
 _MOSTLY = 0.5
 
 
@@ -64,11 +63,16 @@ def tabulate_latex(lines: Sequence[str]) -> list[str] | None:
         lines: Of a text.
     """
     first = [line for line in lines[:FIRST_LINES] if line.strip() and not line.lstrip().startswith("%")]
-    if not first or sum(_LATEX_ROW.match(line) is not None for line in first) < _MOSTLY * len(first):
+    if not first or sum(bool(_cut_row(line)) for line in first) < _MOSTLY * len(first):
         return None
-    found = [match.group(1) for line in lines if (match := _LATEX_ROW.match(line))]
-    rows = [[_strip_marks(cell) for cell in row.split("&")] for row in found]
+    rows = [[_strip_marks(cell) for cell in row] for line in lines if (row := _cut_row(line))]
     return [",".join(f'"{cell}"' if "," in cell else cell for cell in row) for row in rows]
+
+
+def _cut_row(line: str) -> list[str]:
+    """The cells of a row; none of any other line."""
+    row, end, _ = line.partition("\\\\")
+    return row.split("&") if end and "&" in row else []
 
 
 def _strip_marks(cell: str) -> str:
