@@ -210,8 +210,9 @@ def _to_si(
         RecordingError: A column is in units of a device, or has not one value a row.
     """
     table = {}
-    # A rating first: what is to be written of it asks for the other columns as well.
-    for channel, (column, meaning) in sorted(own.items(), key=lambda one: not find_rating_parts(one[1][0], columns)):
+    # A rating first: what is to be written of it asks for the other columns as well; a command may be the torque.
+    order = sorted(own.items(), key=lambda one: (not find_rating_parts(one[1][0], columns), one[0] == "torque_command"))
+    for channel, (column, meaning) in order:
         if column == INTEGRAL:
             continue
         unknown = explain_unit(path, channel, column, meaning, columns)

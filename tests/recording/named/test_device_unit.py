@@ -113,3 +113,16 @@ def test_a_part_of_a_rating_asks_for_the_position_where_that_is_a_devices(
     with pytest.raises(RecordingError, match="per cent of the rated torque") as refused:
         read_named_log(tmp_path / "log.csv")
     assert ("what one of the position is" in str(refused.value)) is is_asked
+
+
+@pytest.mark.parametrize("name", ["Torque command[%]", "torque_setpoint_pct", "torque_pct"])
+def test_a_command_in_parts_of_a_rating_that_stands_for_the_torque_is_asked_for_as_the_torque(
+    name: str, tmp_path: Path
+) -> None:
+    path = _write(tmp_path / "log.csv", "q [rad]", name, (1.0, 40.0))
+    with pytest.raises(RecordingError, match=r"write torque = \{ column") as refused:
+        read_named_log(path)
+    assert f"column = {name!r}, scale = RATED/100" in str(refused.value)
+    (tmp_path / "log.toml").write_text(inspect_log(path).guess.replace("RATED/100", "0.025"))
+    (found,) = convert(path, load_mapping(tmp_path / "log.toml"))
+    assert found.recording.torque == pytest.approx(_TORQUE, abs=1e-5)
