@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from fricomp import diagnose
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.base import unpack
 from fricomp.diagnosis.joint.kernel import LANES, observe
@@ -35,16 +38,27 @@ def _held(plant: Plant, speed: float, substeps: int) -> FloatArray:
     return np.asarray(out[3, 0])
 
 
+def _creeping(**friction: float) -> Plant:
+    plant = Plant(0.5, (0.0, 0.0), 0.0, (LEVEL, LEVEL, 0.1, 0.0), (LEVEL, LEVEL, 0.1, 0.0), 1e4, creep_velocity=CREEP)
+    return replace(plant, **friction)
+
+
 @pytest.mark.parametrize("substeps", [8, 40])
 @pytest.mark.parametrize("lead", [0.0, 0.01])
 @pytest.mark.parametrize("speed", [-0.05, -0.01, 0.002, 0.01, 0.04])
 def test_friction_is_viscous_below_the_creep_velocity(speed: float, lead: float, substeps: int) -> None:
-    curve = (LEVEL, LEVEL, 0.1, 0.0)
     for sharpness, wanted in ((1.0, np.clip(speed / CREEP, -1.0, 1.0)), (0.0, speed / (abs(speed) + CREEP))):
-        plant = Plant(
-            0.5, (0.0, 0.0), 0.0, curve, curve, 1e4, sharpness=sharpness, creep_velocity=CREEP, creep_lead=lead
-        )
+        plant = _creeping(sharpness=sharpness, creep_lead=lead)
         assert _held(plant, speed, substeps)[-2] == pytest.approx(LEVEL * wanted, rel=0.01)
+
+
+@pytest.mark.parametrize("speed", [-0.2, -0.05, -0.01, 0.002, 0.02, 0.03, 0.1])
+def test_friction_turns_over_as_smooth_curves_of_simulators_do(speed: float) -> None:
+    """A hyperbolic tangent and an arc tangent over 1 and 0.7 times the creep velocity."""
+    tangent, arc = np.tanh(speed / CREEP), 2.0 / np.pi * np.arctan(speed / (0.7 * CREEP))
+    for sharpness, width, wanted in ((0.776, 1.1, tangent), (0.35, 0.98, arc)):
+        plant = _creeping(sharpness=sharpness, creep_velocity=width * CREEP)
+        assert _held(plant, speed, 8)[-2] == pytest.approx(LEVEL * wanted, abs=0.03 * LEVEL)
 
 
 @pytest.mark.slow
@@ -74,6 +88,20 @@ def test_a_motion_in_one_direction_shows_no_creep(back: float, shown: bool) -> N
     time = np.arange(1000, dtype=np.float64) * np.float64(1e-2)
     tracks = build_tracks([Recording(time, position, np.sign(speed))], [None])
     assert may_creep(tracks) is shown
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "seed"), [(0.03, 2), (0.03, 7), (0.012, 3)])
+def test_a_friction_that_is_a_hyperbolic_tangent_lacks_nothing(width: float, seed: int) -> None:
+    """With a noise of 0.4 % of it, in which a line that is cut off leaves 6 to 30 times as much."""
+    rng, time = np.random.default_rng(seed), np.arange(0.0, 30.0, 4e-3)
+    position = 0.8 * np.sin(2.0 * rng.uniform(0.8, 2.0) * time) + 0.25 * np.sin(rng.uniform(3.0, 6.0) * time + 1.0)
+    velocity = np.gradient(position, time)
+    dry = np.tanh(velocity / width) * (1.0 + rng.uniform(0.0, 0.4) * np.exp(-((velocity / 0.06) ** 2)))
+    torque = 0.15 * np.gradient(velocity, time) + 0.2 * velocity + np.sin(position) + dry
+    noisy = torque + 0.004 * rng.standard_normal(time.size)
+    found = diagnose(Recording(time, 2.4e-5 * np.round(position / 2.4e-5), noisy))
+    assert (found.verdict, found.effects) == ("consistent", ())
 
 
 @pytest.mark.slow

@@ -94,11 +94,9 @@ class _Creep(DryFriction):
 
     def __init__(self, plant: Plant, inertia: float, step: float) -> None:
         self.speed, self.ahead, self.mobility = plant.creep_velocity, step + plant.creep_lead, 1.0 / inertia
-        self.sharpness = plant.sharpness
+        self.bend = self.speed * plant.sharpness * (2.0 - plant.sharpness)
 
     def follow(self, w: float, level: float, net: float) -> tuple[float, float]:
         driven, slip = w + self.ahead * net * self.mobility, self.ahead * self.mobility
-        abrupt = min(max(level * driven / (self.speed + level * slip), -level), level)
-        wide = abs(driven) + self.speed + level * slip
-        gradual = 2.0 * level * driven / (wide + sqrt(wide * wide - 4.0 * slip * level * abs(driven)))
-        return gradual + self.sharpness * (abrupt - gradual), 0.0
+        bend, wide = self.bend + level * slip, abs(driven) + self.speed + level * slip
+        return 2.0 * level * driven / (wide + sqrt(max(wide * wide - 4.0 * bend * abs(driven), 0.0))), 0.0

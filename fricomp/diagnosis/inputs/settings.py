@@ -37,7 +37,7 @@ class InputSettings:
     velocity_window: float = 0.021
     """Longest Savitzky-Golay window that keeps the reversals of a joint [s]."""
     spike: float = 5.0
-    """Noise deviations from the median of seven samples beyond which a sample is no measurement."""
+    """Noise deviations from the median of those about it beyond which a sample may be no measurement."""
     shortest_window: int = 7
     """Fewest samples of that window, for slow recordings."""
     unrest_window: float = 0.05

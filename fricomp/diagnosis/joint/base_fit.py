@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..inputs.track import FloatArray
-from .base import BASE_NAMES, align_falls, even_directions, unpack
+from .base import BASE_NAMES, align_falls, even_directions, straighten_curves, unpack
 from .problem import Problem
 from .race import Entry, Race
 from .settings import JOINT
@@ -20,11 +20,17 @@ _SHARPNESS = BASE_NAMES.index("sharpness")
 
 
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
-    """Fit the base from `theta` to the bottom of its valley. Where both directions differ much, fit again from even
-    directions and from falls that are alike, and keep the best."""
+    """Fit the base from `theta` to the bottom of its valley. Where both directions differ much, or friction falls over
+    all of the motion, fit again from even directions, falls that are alike and straight curves, and keep the best."""
     fit, *_ = _fit_side_by_side(problem, [theta], box)
-    others = [start for start in (even_directions(fit.theta), align_falls(fit.theta)) if start is not None]
+    other = even_directions(fit.theta), align_falls(fit.theta), straighten_curves(fit.theta, _get_top_speed(box))
+    others = [box.clip(start) for start in other if start is not None]
     return min([fit, *_fit_side_by_side(problem, others, box)], key=_get_cost)
+
+
+def _get_top_speed(box: Box) -> float:
+    """Of the recordings [rad/s] or [m/s]: no friction of the base falls over a wider range."""
+    return float(np.exp(box.upper[BASE_NAMES.index("forward.log_stribeck_velocity")]))
 
 
 def _fit_side_by_side(problem: Problem, starts: Sequence[FloatArray], box: Box) -> list[Fit]:
@@ -87,7 +93,10 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
         box: Domain of the base parameters.
         top_speed: Largest speed of the recorded motion [rad/s].
     """
-    starts, boxes = zip(*propose_creep_starts(fit.theta, box, top_speed), strict=True)
+    straight = straighten_curves(fit.theta, top_speed)
+    about = [fit.theta] if straight is None else [fit.theta, box.clip(straight)]
+    proposed = [start for theta in about for start in propose_creep_starts(theta, box, top_speed)]
+    starts, boxes = zip(*proposed, strict=True)
     problem = problem.cut_samples_for(unpack(starts[0]))  # no bristle asks for short steps
     evaluate = problem.build_residual(problem.add_nothing)
     entry = Entry(Race(JOINT.hopeless_cost * fit.cost, JOINT.hopeless_cost * fit.cost))

@@ -7,12 +7,13 @@ x, w, z are the model's own position, velocity and bristle deflection; q, v the 
 model lacks, seen through a second-order low pass. A share of the bristle (`sharpness`) yields abruptly at its level
 instead of gradually, as the elements of Maxwell-slip models do [albender2005gms]. Both are advanced exactly over each
 substep [dahl1968], [canudas1995lugre], so any stiffness is stable for them. Friction that creeps has no bristle; with
-s = w + T w' it is in its abrupt and its gradual share
+s = w + T w' it is g(w) f sign(s), where f is a hyperbola that turns over about v_c
 
-    g(w) clip(s / v_c, -1, 1)   and   g(w) s / (|s| + v_c),
+    (1 - f) (|s| / v_c - f) = (1 - theta) f²,   1 - theta = (1 - sharpness)²,
 
-solved for the velocity that it leaves itself: the first is MuJoCo's friction loss, d (torque + b J w) cut off at its
-level, with T = 1 / b and v_c = F_c (1 - d) / (d b J). This is the only module that imports numba.
+solved for the velocity that it leaves itself. The sharpest is MuJoCo's friction loss, d (torque + b J w) cut off at its
+level, with T = 1 / b and v_c = F_c (1 - d) / (d b J); the least sharp s / (|s| + v_c), and a hyperbolic tangent or an
+arc tangent is within 3 % of one between. This is the only module that imports numba.
 """
 
 from __future__ import annotations
@@ -235,10 +236,9 @@ def _creep(state: np.ndarray, h: float) -> None:
             free = (state[_W, j] - state[_BEFORE, j]) / h
             ahead = h + state[_LEAD, j]
             driven, slip = state[_BEFORE, j] + ahead * free, ahead * mobility
-            abrupt = min(max(top * driven / (speed + top * slip), -top), top)
+            bend = speed * state[_SHARPNESS, j] * (2.0 - state[_SHARPNESS, j]) + top * slip
             wide = abs(driven) + speed + top * slip
-            gradual = 2.0 * top * driven / (wide + np.sqrt(wide * wide - 4.0 * slip * top * abs(driven)))
-            friction = gradual + state[_SHARPNESS, j] * (abrupt - gradual)
+            friction = 2.0 * top * driven / (wide + np.sqrt(max(wide * wide - 4.0 * bend * abs(driven), 0.0)))
             state[_W, j] -= h * friction * mobility
             state[_X, j] -= 0.5 * h * h * friction * mobility
             state[_CHANGE, j] = state[_W, j] - state[_BEFORE, j]

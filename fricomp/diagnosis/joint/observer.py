@@ -47,7 +47,8 @@ class Plant:
         lag: Time by which the friction level follows the velocity [s].
         delay: Time by which the recorded torque is late [s].
         stribeck_exponent: Exponent of the falling part, for both directions.
-        sharpness: Share of the bristle that yields abruptly instead of gradually, 0 to 1.
+        sharpness: Share of the bristle that yields abruptly instead of gradually, 0 to 1; of friction that creeps, how
+            abruptly it turns over.
         spread: Quotient of the stiffnesses of its neighbouring elements, at least 1.
         creep_velocity: v_c [rad/s], about which dry friction turns over without ever holding; 0 for a bristle.
         creep_lead: Time by which such friction is ahead of the velocity [s].

@@ -59,8 +59,8 @@ def _compute_torque(recording: Recording, base: Mapping[str, Quantity]) -> Float
 def _compute_creep(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
     """Dry friction that never holds, as part of its level. Shape (n,)."""
     speed, sharpness = value["creep_velocity"], value["sharpness"]
-    gradual = velocity / (np.abs(velocity) + speed)
-    result: FloatArray = gradual + sharpness * (np.clip(velocity / speed, -1.0, 1.0) - gradual)
+    wide, bend = np.abs(velocity) + speed, speed * sharpness * (2.0 - sharpness)
+    result: FloatArray = 2.0 * velocity / (wide + np.sqrt(np.maximum(wide**2 - 4.0 * bend * np.abs(velocity), 0.0)))
     return result
 
 

@@ -7,7 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.joint.base import BASE_NAMES, BaseModel, align_falls, even_directions, pack, unpack
+from fricomp.diagnosis.joint.base import (
+    BASE_NAMES,
+    BaseModel,
+    align_falls,
+    even_directions,
+    pack,
+    straighten_curves,
+    unpack,
+)
 from fricomp.diagnosis.joint.observer import Observer, Plant
 from fricomp.diagnosis.joint.settings import JOINT
 
@@ -128,3 +136,20 @@ def test_a_direction_that_lost_its_static_friction_gets_that_of_the_other() -> N
     lost = align_falls(pack(replace(_PLANT, forward=(2.0, 3.0, 0.05, 1.0), reverse=(2.2, 2.2, 0.04, 1.1))))
     assert lost is not None
     assert unpack(lost).reverse == pytest.approx((2.2, 3.2, 0.05, 1.1))
+
+
+def test_friction_that_falls_over_all_of_the_motion_becomes_a_line_with_a_fall_at_low_speeds() -> None:
+    """A Coulomb torque of 3.4 and 1.7 of drag had become a fall with twice the drag, the other direction not."""
+    plant = replace(_PLANT, forward=(0.3, 3.3, 0.8, 4.5), reverse=(3.4, 3.7, 0.05, 1.7))
+    straight = straighten_curves(np.append(pack(plant), 7.0), top_speed=1.3)
+    assert straight is not None
+    after, speed = unpack(straight[:-1]), np.linspace(0.3, 1.3, 30)
+    coulomb, breakaway, width, viscous = after.forward
+    curve = 0.3 + 3.0 * np.exp(-((speed / 0.8) ** 2)) + 4.5 * speed
+    assert coulomb + viscous * speed == pytest.approx(curve, abs=0.25)
+    assert coulomb > 2.0
+    assert width < 0.2
+    assert breakaway == pytest.approx(max(3.3, coulomb))
+    assert after.reverse == pytest.approx(plant.reverse)
+    assert straight[-1] == 7.0
+    assert straighten_curves(straight, top_speed=1.3) is None
