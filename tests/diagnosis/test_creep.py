@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -38,9 +36,12 @@ def _held(plant: Plant, speed: float, substeps: int) -> FloatArray:
     return np.asarray(out[3, 0])
 
 
-def _creeping(**friction: float) -> Plant:
-    plant = Plant(0.5, (0.0, 0.0), 0.0, (LEVEL, LEVEL, 0.1, 0.0), (LEVEL, LEVEL, 0.1, 0.0), 1e4, creep_velocity=CREEP)
-    return replace(plant, **friction)
+def _creeping(sharpness: float, creep_velocity: float = CREEP, creep_lead: float = 0.0) -> Plant:
+    curve = (LEVEL, LEVEL, 0.1, 0.0)
+    return Plant(
+        0.5, (0.0, 0.0), 0.0, curve, curve, 1e4,
+        sharpness=sharpness, creep_velocity=creep_velocity, creep_lead=creep_lead,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("substeps", [8, 40])

@@ -45,20 +45,26 @@ class Repetitions:
         sets: How often each set of names was chosen, names sorted.
         nothing: How often nothing stood out.
         unknown: How often something stood out that could not be named.
+        unmet: How many repetitions hold no rows in which an effect acts, and do not give its name: they say nothing
+            against it.
     """
 
     count: int
     sets: dict[tuple[str, ...], int] = field(default_factory=dict)
     nothing: int = 0
     unknown: int = 0
+    unmet: dict[str, int] = field(default_factory=dict)
 
     def compute_share(self, *names: str) -> float:
-        """Part of the repetitions that give all of these names."""
-        return sum(n for one, n in self.sets.items() if set(names) <= set(one)) / max(self.count, 1)
+        """Part of the repetitions that give all of these names, of those that could."""
+        return sum(n for one, n in self.sets.items() if set(names) <= set(one)) / self._count_heard(names)
 
     def compute_share_of_any(self, names: Collection[str]) -> float:
-        """Part of the repetitions that give at least one of these names."""
-        return sum(n for one, n in self.sets.items() if set(names) & set(one)) / max(self.count, 1)
+        """Part of the repetitions that give at least one of these names, of those that could."""
+        return sum(n for one, n in self.sets.items() if set(names) & set(one)) / self._count_heard(names)
+
+    def _count_heard(self, names: Collection[str]) -> int:
+        return max(self.count - max(self.unmet.get(name, 0) for name in names), 1)
 
     @property
     def shares(self) -> dict[str, float]:
@@ -76,9 +82,14 @@ def repeat_choice(baseline: Baseline, found: SearchResult) -> Repetitions:
     """
     trial = _Trial(baseline, found)
     parts = [(trial.choose_on(rows, factor), rows) for rows, factor in draw_parts(baseline)]
-    answers = [answer for answer, rows in parts if answer != "nothing" or trial.is_reached(rows)]
+    parts = [(answer, rows) for answer, rows in parts if answer != "nothing" or trial.is_reached(rows)]
+    answers = [answer for answer, _ in parts]
     sets = Counter(answer for answer in answers if isinstance(answer, tuple))
-    return Repetitions(len(answers), dict(sets), answers.count("nothing"), answers.count("unknown"))
+    unmet = {
+        name: sum(name not in answer and not trial.is_reached(rows, name) for answer, rows in parts)
+        for name in (() if found.best is None else found.best.names)
+    }
+    return Repetitions(len(answers), dict(sets), answers.count("nothing"), answers.count("unknown"), unmet)
 
 
 def refit_parts(baseline: Baseline, chosen: Explanation | None) -> list[RefittedJoint]:
@@ -238,23 +249,24 @@ class _Trial:
         return self._linearise(self.baseline.fit, self.baseline.box, self.found.explainable)
 
     @cached_property
-    def reaches(self) -> dict[int, FloatArray]:
-        """What the effects of explanations add to each row, by their place, of those that were asked for."""
+    def reaches(self) -> dict[tuple[int, tuple[str, ...]], FloatArray]:
+        """What effects of explanations add to each row, by place and names, of those that were asked for."""
         return {}
 
-    def compute_reach(self, index: int) -> FloatArray:
-        """What the effects of one explanation add to each row, simulated once. Shape (m,)."""
-        if index not in self.reaches:
-            self.reaches[index] = self.explanations[index].compute_reach(self.baseline)
-        return self.reaches[index]
+    def compute_reach(self, index: int, *names: str) -> FloatArray:
+        """What the effects of one explanation, or these of them, add to each row, simulated once. Shape (m,)."""
+        one, at = self.explanations[index], (index, names or self.explanations[index].names)
+        if at not in self.reaches:
+            self.reaches[at] = one.structure.compute_added(self.baseline.problem, one.fit.theta, at[1])
+        return self.reaches[at]
 
-    def is_reached(self, rows: _Rows) -> bool:
-        """Whether the chosen effects act in a part of the rows: what is met once, such as a limit, is not missed in the
-        rest.
+    def is_reached(self, rows: _Rows, *names: str) -> bool:
+        """Whether the chosen effects, or these of them, act in a part of the rows: what is met once, such as a limit,
+        is not missed in the rest.
         """
         if self.found.best is None:
             return True
-        reach = self.compute_reach(self.explanations.index(self.found.best)) ** 2
+        reach = self.compute_reach(self.explanations.index(self.found.best), *names) ** 2
         return float(np.sum(reach[rows])) > REPETITIONS.reached * float(np.sum(reach))
 
     def _linearise(self, fit: Fit, box: Box, whole: float) -> _Linear:

@@ -75,6 +75,8 @@ def test_parts_without_what_is_met_once_do_not_count_against_it(loaded: tuple[Ba
     unreached = reach <= np.quantile(reach, 0.05)
     assert not trial.is_reached(unreached)
     assert all(trial.is_reached(rows) for rows, _ in draw_parts(baseline))
+    assert trial.is_reached(~unreached, *found.best.names)
+    assert repeat_choice(*loaded).unmet == {"load_coulomb": 0}
     assert _Trial(baseline, replace(found, best=None)).is_reached(unreached)
 
 
@@ -83,3 +85,10 @@ def test_shares_count_sets_and_names() -> None:
     assert some.shares == {"a": 0.9, "b": 0.5}
     assert some.compute_share("a", "b") == 0.5
     assert some.compute_share_of_any(("b", "c")) == 0.5
+
+
+def test_parts_in_which_one_of_two_effects_does_not_act_do_not_count_against_it() -> None:
+    """A stop that was hit twice, beside a friction that acts everywhere: without its rows friction alone is right."""
+    both = Repetitions(60, {("end_stop", "load_coulomb"): 46, ("load_coulomb",): 12}, unknown=2, unmet={"end_stop": 11})
+    assert both.compute_share_of_any(("end_stop", "spring_torque")) == pytest.approx(46 / 49)
+    assert both.compute_share("load_coulomb") == pytest.approx(58 / 60)
