@@ -258,9 +258,9 @@ def _weigh_late_action(
     acts_late = find_late_action(given.recordings, usual) or measure_late_rival(answer[0].case.found)
     shows = acts_late > 0.0
     if not shows:
-        if _leaves_noise_alone(answer[1]):
-            return answer
         lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
+        if _leaves_noise_alone(answer[1]) and not lags:
+            return answer
         findings = answer[0]
         acts_late = measure_late_torque(findings.case.baseline, findings.chosen) or max(lags, default=0.0)
     if acts_late <= usual:
@@ -270,7 +270,8 @@ def _weigh_late_action(
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
     late = name_late_action(findings)
     is_late = late.parameters["delay"].ci95[0] > usual
-    if not (_leaves_less(verdict, answer[1], is_late) if shows else _completes(verdict, answer, is_late)):
+    moved = findings, verdict
+    if not (_leaves_less(verdict, answer[1], is_late) if shows else _completes(moved, answer, is_late)):
         return answer
     return findings, join_channels(verdict, [late]) if is_late else verdict
 
@@ -290,14 +291,19 @@ def _leaves_less(moved: Verdict, before: Verdict, is_late: bool) -> bool:
     return moved.held.rmse_after <= before.held.rmse_after and not wordier
 
 
-def _completes(moved: Verdict, answer: tuple[Findings, Verdict], is_late: bool) -> bool:
+def _completes(late: tuple[Findings, Verdict], answer: tuple[Findings, Verdict], is_late: bool) -> bool:
     """Whether the error falls clearly, and a late torque needs no names but those that were there without it and the
     form of the friction, which a lag in place of a delay bends; others may come where none is late, and the rows left
-    something unknown, or where less is left than had passed for noise. Or whether it says with fewer names as much."""
-    findings, before = answer
+    something unknown, or where less is left than had passed for noise. Or whether it says with fewer names as much, or
+    as well by a delay what a lag had said."""
+    (lagging, moved), (findings, before) = late, answer
     names, known = ({effect.name for effect in one.effects} for one in (moved, before))
     names -= {name for name, effect in EFFECTS.items() if effect.form_of_friction}
     leaves = moved.word == "unknown_physics"
+    takes_its_place = is_late and not leaves and names == known - {"drive_lag"}
+    if _leaves_noise_alone(before) or takes_its_place:
+        # Rows without weights: both leave noise alone, each by nulls of its own.
+        return takes_its_place and lagging.held.plain.after < findings.held.plain.after
     says_it_shorter = is_late and not leaves and len(moved.effects) + 1 < len(before.effects)
     if says_it_shorter and moved.held.rmse_after < (1.0 + SETTINGS.late_alike) * before.held.rmse_after:
         return True

@@ -74,8 +74,8 @@ class JointSettings:
     stiff_bristles: tuple[float, ...] = (1e-6, 3e-5)
     """Presliding distances from which a loud and damped fit starts again [rad]."""
     loud: float = 1.1
-    """Residual over noise from which a fit of the base is loud, so that other bristles and creep are tried. A lower
-    one costs time."""
+    """Residual over noise, or over that of nulls, from which a fit of the base is loud, so that other bristles and
+    creep are tried. A lower one costs time."""
     slowest_creep: float = 1e-5
     """Least creep velocity, in the top speed of the motion. Rests show it: a joint of a simulator, held for a second
     against its friction loss, gives way by some millirad."""

@@ -22,6 +22,7 @@ from ..joint.base_fit import fit_base, fit_creep, fit_creeping, is_loud, try_oth
 from ..joint.nulls import Nulls, make_nulls
 from ..joint.observer import Contribution, Observer, Plant
 from ..joint.problem import Problem, build_problem
+from ..joint.settings import JOINT
 from ..joint.solver import Box, Fit, minimise
 from ..joint.spectrum import estimate_floor, is_structured
 from ..joint.weak_form import estimate_plants
@@ -139,8 +140,10 @@ def prepare(
         return _settle(raw, *fit_creeping(problem, creeps, box, find_top_speed(tracks)), (nulls, seed), rigid)
     if holds:
         return _settle(raw, fit, box, (nulls, seed), rigid)
-    baseline = _settle(raw, *_try_creep(raw, problem, fit, box, seed), (nulls, seed), rigid)
-    if is_loud(fit) or not is_loud(baseline.fit):
+    loud = is_loud(fit)
+    fitted = _try_creep(raw, problem, fit, box, seed) if loud else (fit, box)
+    baseline = _settle(raw, *fitted, (nulls, seed), rigid)
+    if loud or baseline.noise_ratio < JOINT.loud:
         return baseline
     # The noise at rest of a bristle had passed for that of all rows.
     found, free = _try_creep(raw, baseline.problem, baseline.fit, box, seed)
@@ -178,17 +181,18 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
     """Return the fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls
     do.
 
-    Whatever is missing may look a little like creep, so it must explain all of a loud residual, all but a trace, or so
+    Whatever is missing may look a little like creep, so it must explain all of what is left, all but a trace, or so
     much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
     one that sticks, so it is judged by nulls of its own.
     """
-    shown = is_loud(fit) and may_creep(raw.tracks)
+    shown = may_creep(raw.tracks)
     tried = fit_creep(problem, fit, box, find_top_speed(raw.tracks)) if shown else None
     if tried is None:
         return fit, box
     found, free = tried
     before, after = (float(one.residual @ one.residual) for one in (fit, found))
-    explained = (before - after) / (before - fit.residual.size)
+    above = before - fit.residual.size
+    explained = (before - after) / above if above > 0.0 else 0.0
     try:
         found, _, nulls = _reweigh(raw, found, free, SEARCH.first_nulls, seed)
     except FloatingPointError:
