@@ -24,7 +24,7 @@ from .robust_fit import fit_robustly
 from .search.early_torque import EarlyTorques
 from .search.own_delay import measure_own_delay, refine_delays
 from .search.shared_delay import are_others_early
-from .search.stribeck import hold_curve, suit_curve
+from .search.stribeck import hold_curve, is_at_end, suit_curve
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -193,7 +193,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         evidence = {
             (j, name): TermEvidence(
                 share,
-                found.trials.get(f"{arm.joints[j]}: {name}", 0.0),
+                pruning.gains.get((j, name), found.trials.get(f"{arm.joints[j]}: {name}", 0.0)),
                 _measure_fall(data, fit, errors, (j, name)),
             )
             for (j, name), share in recurrence.items()
@@ -269,20 +269,23 @@ def _measure_bend(data: ConfirmedData, fit: ArmFit, less: ArmModel, term: tuple[
     """The same of what bends over the speed, beside curves that stand still; None for anything else.
 
     Free to move along its slopes, a wide Stribeck curve makes any bend, also such as no curve has. So the term is
-    compared with the curve that suits the joint without it.
+    compared with the curve that suits the joint without it, unless that is pressed against the end of what curves are.
     """
     joint, name = term
     form = fit.model.forms[joint]
-    if TERMS[name].family != "speed" or "stribeck" not in form.names or form.has_other_form(name):
+    if TERMS[name].family != "speed" or form.has_other_form(name):
         return None
     instead = suit_curve(data.rows, data.equations, fit, data.prior, less, joint)
     if instead is None:
         return None
-    own, other = _hold(fit.model, joint), _hold(instead.fit.model, joint)
-    rest = ConfirmedData(fit.arm, instead.equations, data.prior, data.rows)
+    own, other, rest = _hold(fit.model, joint), _hold(instead.fit.model, joint), data
+    if is_at_end(instead.equations, instead.fit, joint):
+        other, start = _hold(less, joint), fit
+    else:
+        rest, start = ConfirmedData(fit.arm, instead.equations, data.prior, data.rows), instead.fit
     after, before = (
         np.array([rows[joint], *means[:, joint]])
-        for rows, means, _ in (data.measure_model(own, fit), rest.measure_model(other, instead.fit))
+        for rows, means, _ in (data.measure_model(own, fit), rest.measure_model(other, start))
     )
     return float(np.max(1.0 - after / np.maximum(before, 1e-300)))
 

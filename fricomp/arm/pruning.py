@@ -17,6 +17,7 @@ from .identification import EVIDENCE
 from .physics import find_reversed_term
 from .prior import ArmPrior
 from .rows import ArmRows
+from .search.bend import find_bend
 from .search.early_torque import EarlyTorques
 from .search.stribeck import suit_creep, suit_curve
 
@@ -32,11 +33,15 @@ class Pruning:
         prior: How far the simulation is trusted.
         bent: Joints with forms of which it is known that their curve does not make what bends over the speed.
         freed: Joints at which viscous friction that was held at zero was tried free.
+        asked: Joints with names of terms beside which a bend over the speed was asked for.
+        gains: Logarithm of the Bayes factor of what was taken in here, by joint and name.
     """
 
     prior: ArmPrior
     bent: set[tuple[int, JointForm]] = field(default_factory=set)
     freed: set[int] = field(default_factory=set)
+    asked: set[tuple[int, frozenset[str]]] = field(default_factory=set)
+    gains: dict[tuple[int, str], float] = field(default_factory=dict)
 
     def find_less(self, rows: ArmRows, equations: ArmEquations, fit: ArmFit, widened: ArmFit) -> ArmModel | None:
         """The next model to fit in place of this one; None where it may stay.
@@ -55,7 +60,24 @@ class Pruning:
             or _drop_turned_delay(rows, equations, fit, self.prior)
             or _drop_needless_bend(rows, equations, fit, self.prior, self.bent)
             or _free_viscous(rows, equations, fit, self.prior, self.freed)
+            or self._take_bend(equations, fit)
         )
+
+    def _take_bend(self, equations: ArmEquations, fit: ArmFit) -> ArmModel | None:
+        """The model with what bends over the speed, beside the curve that suits it; None for no such.
+
+        What left the model since may have kept it out, and a curve that it came with.
+        """
+        forms = {(j, frozenset(form.names)): j for j, form in enumerate(fit.model.forms)}
+        new = {key: j for key, j in forms.items() if key not in self.asked}
+        glance = Glance(equations, fit, self.prior) if new else None
+        for key, j in new.items():
+            self.asked.add(key)
+            bend = find_bend(glance, fit, j) if glance else None
+            if bend is not None and bend.gain > EVIDENCE:
+                self.gains[j, bend.term] = bend.gain
+                return bend.model
+        return None
 
 
 def measure_size(fit: ArmFit, joint: int, term: str) -> float:

@@ -104,7 +104,7 @@ def test_a_gap_matters_by_the_rows_that_count_and_what_has_a_factor_by_all(healt
     errors = HeldOutErrors(
         simulation=ones, plain=ones, model=0.98 * ones, means=np.full((2, 3), 0.97), weighted=0.3 * ones, lasting=ones
     )
-    for name, fall in (("backlash", 0.4), ("quadratic_drag", 0.03)):
+    for name, fall in (("backlash", 0.4), ("spring_torque", 0.03)):
         forms = (JointForm(((name, 0),)), JointForm(), JointForm())
         fit = replace(found.fit, model=ArmModel(forms))
         assert _measure_fall(data, fit, errors, (0, name)) == pytest.approx(fall)

@@ -15,12 +15,7 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
     """Every model with one thing more, by its name; a term of a joint comes with all its variants."""
     for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
         for term in (one for one in TERMS.values() if _suits(one, form, rotary=arm.rotary[j])):
-            for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
-                other = _with_form(model, j, form.with_term(term.name, variant))
-                other = hold_curve(other, j) if term.filled == "stribeck" else other
-                yield f"{joint}: {term.name}", other
-                if term.replaces:
-                    yield f"{joint}: {term.name}", replace(other, pinned=model.pinned | {(j, n) for n in term.replaces})
+            yield from ((f"{joint}: {term.name}", other) for other in add_term(model, j, term))
     for i, link in enumerate(arm.links):
         if i not in model.opened:
             yield f"{link} is off", replace(model, opened=model.opened | {i})
@@ -28,6 +23,17 @@ def propose_models(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, Ar
         yield "gravity leans over", replace(model, tilted=True)
     if not model.gain:
         yield "all torques have a gain", replace(model, gain=True)
+
+
+def add_term(model: ArmModel, joint: int, term: JointTerm) -> Iterator[ArmModel]:
+    """The model with each variant of a term more in a joint, and in place of what that may stand for; none where the
+    joint has the term."""
+    form = model.forms[joint]
+    for variant in range(len(term.values)) if term.name not in form.names else ():
+        other = _with_form(model, joint, form.with_term(term.name, variant))
+        yield hold_curve(other, joint) if term.filled == "stribeck" else other
+        if term.replaces:
+            yield replace(other, pinned=model.pinned | {(joint, name) for name in term.replaces})
 
 
 def _suits(term: JointTerm, form: JointForm, *, rotary: bool) -> bool:

@@ -18,7 +18,7 @@ from fricomp.laws import FloatArray
 from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
-from ..friction import CREEP, TERMS, JointForm, is_rounded
+from ..friction import CREEP, MOST_STRIBECK, TERMS, JointForm, is_rounded
 from ..glance import Glance
 from ..prior import ArmPrior
 from ..rows import ArmRows
@@ -40,6 +40,10 @@ _TRIED = 3
 
 _BETTER = 1.0
 """Logarithm of the Bayes factor by which another curve must be better, or changes of it would not end."""
+
+_END = 0.95
+"""Part of the furthest fall of a curve, and of its highest velocity, from which it is taken to be pressed against that:
+moves end short of where they would be none."""
 
 
 class SuitedCurve(NamedTuple):
@@ -233,6 +237,15 @@ def is_curve(fit: ArmFit, joint: int) -> bool:
     excess = TERMS["stribeck"].names(dict(fit.model.forms[joint].terms)["stribeck"])[0]
     values = fit.friction(joint)
     return 0.0 < values[excess] <= values["coulomb"]
+
+
+def is_at_end(equations: ArmEquations, fit: ArmFit, joint: int) -> bool:
+    """Whether the Stribeck curve of a joint falls by as much as one may, or as slowly: what it stands for would bend
+    further, and is no curve."""
+    variant = dict(fit.model.forms[joint].terms)["stribeck"]
+    values, excess = fit.friction(joint), TERMS["stribeck"].names(variant)[0]
+    speed = float(equations.stribeck[joint, variant, 0]) / (MOST_STRIBECK * float(equations.top_speed[joint]))
+    return max(values[excess] / values["coulomb"], speed) > _END
 
 
 def _move_curves(
