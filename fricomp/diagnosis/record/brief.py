@@ -82,12 +82,14 @@ def _explain(effect: NamedEffect) -> str:
 
 
 def _list_other_changes(record: DiagnosisRecord) -> str:
-    """Parameters that are off beside what was named; where nothing was, they are the answer and stand in a table."""
+    """Parameters that are off beside what was named, by what shows in two digits; where nothing was named, they are the
+    answer and stand in a table."""
     moved = [one for one in record.changes if one.name not in FRICTION_CHANGES] if record.effects else []
     told = (
         f"{one.name.replace('_', ' ')} {one.refitted.value:.3g} {one.refitted.unit}, not {one.given:.3g}"
         for one in moved
         if not one.refitted.ci95[0] <= one.given <= one.refitted.ci95[1]
+        and f"{one.refitted.value:.2g}" != f"{one.given:.2g}"
     )
     listed = "; ".join(told)
     return f"Off in the simulation: {listed}." if listed else ""
