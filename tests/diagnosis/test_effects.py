@@ -527,3 +527,23 @@ def test_a_start_is_no_knowledge_of_a_time_constant(context: Context) -> None:
     fitted, known = (np.diag(box.precision)[1] ** -0.5 for box in (structure.build_box(), structure.build_known_box()))
     assert fitted == pytest.approx(0.6)
     assert np.exp(2.0 * 1.96 * known) == pytest.approx(60.0 / 0.05)
+
+
+@pytest.mark.parametrize(
+    ("starts", "refused"),
+    [
+        ((4.85, 14.85, 24.85), True),  # at three reversals
+        ((4.85, 14.85, 28.0), False),  # one in mid-motion
+        ((4.85,), False),  # one push may come with a reversal
+    ],
+)
+def test_pushes_that_all_come_with_reversals_are_none(
+    starts: tuple[float, ...], refused: bool, context: Context
+) -> None:
+    velocity = np.cos(2.0 * np.pi * 0.05 * np.arange(6000) * 1e-2)
+    windows = tuple(number for start in starts for number in (0.0, start, start + 0.3))
+    slow = replace(context, dt=1e-2, velocity=velocity, hints={"window": windows})
+    effect = EFFECTS["external_disturbance"]
+    (values,) = effect.propose_starts([slow])
+    values = {parameter.name: 0.1 for parameter in effect.list_parameters([slow])} | values
+    assert (effect.refuse(values, [slow]) is not None) == refused

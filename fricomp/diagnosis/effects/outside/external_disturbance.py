@@ -8,6 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from fricomp.root_mean_square import compute_rms
+
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
@@ -37,6 +39,10 @@ class ExternalDisturbance(Effect):
     """Power of half a sine that a push is, from a block to a peak of a third of its window; e^0.2 makes it another."""
     shortest: ClassVar[float] = 0.2
     """Least length of the longest window [s], ten rows. Shorter ones have been seen of drives that could not follow."""
+    slow: ClassVar[float] = 0.1
+    """Part of the usual speed below which a joint hardly moves; some 5 % of a swing."""
+    coincidence: ClassVar[float] = 0.01
+    """Chance below which pushes do not fall into such moments of themselves. One that does may be a push."""
     edge: ClassVar[float] = 0.04
     """Standard deviation of the ends of a push [s]. One with sharp edges is not the power of a sine that is fitted:
     such ends were 5 to 81 ms off (38 ms rms), and its torque 7 % too large, as the sine is pointed."""
@@ -71,7 +77,23 @@ class ExternalDisturbance(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         count = len(_list_windows(contexts))
         longest = max(values[f"end_{k}"] - values[f"start_{k}"] for k in range(1, count + 1))
-        return "so short a push shows no more than that something was amiss" if longest < self.shortest else None
+        if longest < self.shortest:
+            return "so short a push shows no more than that something was amiss"
+        return "the pushes come with the reversals of the joint" if self._follows_reversals(values, contexts) else None
+
+    def _follows_reversals(self, values: Values, contexts: Sequence[Context]) -> bool:
+        """Whether all pushes fall into moments in which the joint hardly moves, too many to do so by chance: a friction
+        that acts late or turns over in another way does, and nobody who pushes."""
+        speeds = np.concatenate([np.abs(context.velocity) for context in contexts])
+        slow = self.slow * compute_rms(speeds)
+        windows = _list_windows(contexts)
+        means = []
+        for k, (which, _, _) in enumerate(windows, start=1):
+            (context,) = (one for one in contexts if one.index == which)
+            roundness = float(np.exp(values[f"roundness_{k}"]))
+            shape = shape_push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
+            means.append(float(np.abs(context.velocity) @ shape) / max(float(np.sum(shape)), 1e-12))
+        return max(means) < slow and float(np.mean(speeds < slow)) ** len(windows) < self.coincidence
 
 
 def _list_windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:
