@@ -16,7 +16,6 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .channels.reading import read_channels, read_held, read_loads
-from .effects import EFFECTS
 from .effects.structure import N_BASE
 from .evidence.alias import measure_late_rival
 from .evidence.case import Case
@@ -43,7 +42,7 @@ from .search.rounds import search_in_rounds
 from .search.settings import SEARCH
 from .verdict.experiment import propose_experiment
 from .verdict.judging import Verdict, describe_repetitions, join_channels, judge, judge_beside
-from .verdict.naming import name_late_action
+from .verdict.late_rival import choose_late, leaves_noise_alone
 from .verdict.shared_effect import SimulationEffects
 from .verdict.writing import write_diagnosis, write_read_off, write_refusal
 
@@ -69,11 +68,6 @@ class StageSettings:
         noise_share: Part of the acceleration's power that may be noise of the encoder in a row. An inertia comes out
             too small by it, and a loop that answers the noise takes its share for the motion's.
         widest_row: Widest row [s], about that of slow recordings: a wider one holds a whole stroke.
-        late_fall: Part by which the held-out error must fall for a delay beside what is named.
-        late_alike: Part by which it may rise where a delay takes fewer names: what an effect of a fifth of the noise
-            explains.
-        late_explains: The same where something stays unknown beside it, or more is named. A gap or a spring bends a
-            joint like a delay, and a lag that was found names all that is missing.
     """
 
     nulls: int = 32
@@ -83,9 +77,6 @@ class StageSettings:
     slow_bandwidth: float = 30.0
     noise_share: float = 0.01
     widest_row: float = 0.17
-    late_fall: float = 0.1
-    late_alike: float = 0.02
-    late_explains: float = 0.5
 
 
 SETTINGS = StageSettings()
@@ -259,7 +250,7 @@ def _weigh_late_action(
     shows = acts_late > 0.0
     if not shows:
         lags = [one.parameters["time_constant"].value for one in answer[1].effects if one.name == "drive_lag"]
-        if _leaves_noise_alone(answer[1]) and not lags:
+        if leaves_noise_alone(answer[1]) and not lags:
             return answer
         findings = answer[0]
         acts_late = measure_late_torque(findings.case.baseline, findings.chosen) or max(lags, default=0.0)
@@ -268,49 +259,7 @@ def _weigh_late_action(
     _report(progress, "searching with the torque where it acts")
     base = _choose_base(given, SETTINGS.draws, acts_late)
     findings, verdict = _answer(given, base(), base, simulated, seed, progress)
-    late = name_late_action(findings)
-    is_late = late.parameters["delay"].ci95[0] > usual
-    moved = findings, verdict
-    if not (_leaves_less(verdict, answer[1], is_late) if shows else _completes(moved, answer, is_late)):
-        return answer
-    return findings, join_channels(verdict, [late]) if is_late else verdict
-
-
-def _leaves_noise_alone(verdict: Verdict) -> bool:
-    """Whether the error of what was found cannot fall clearly any more: a model with nothing missing would leave it."""
-    return verdict.held.noise_floor > (1.0 - SETTINGS.late_fall) * verdict.held.rmse_after
-
-
-def _leaves_less(moved: Verdict, before: Verdict, is_late: bool) -> bool:
-    """Whether the error falls, and by no more names than left noise alone before: such as a lag in place of a delay.
-    What is far below that noise shows that it was none. Where something stays unknown, most of the error has to go."""
-    if moved.word == "unknown_physics":
-        return moved.held.rmse_after < (1.0 - SETTINGS.late_explains) * before.held.rmse_after
-    far_less = moved.held.rmse_after < SETTINGS.late_explains * before.held.noise_floor
-    wordier = len(moved.effects) + is_late > len(before.effects) and _leaves_noise_alone(before) and not far_less
-    return moved.held.rmse_after <= before.held.rmse_after and not wordier
-
-
-def _completes(late: tuple[Findings, Verdict], answer: tuple[Findings, Verdict], is_late: bool) -> bool:
-    """Whether the error falls clearly, and a late torque needs no names but those that were there without it and the
-    form of the friction, which a lag in place of a delay bends; others may come where none is late, and the rows left
-    something unknown, or where less is left than had passed for noise. Or whether it says with fewer names as much, or
-    as well by a delay what a lag had said."""
-    (lagging, moved), (findings, before) = late, answer
-    names, known = ({effect.name for effect in one.effects} for one in (moved, before))
-    names -= {name for name, effect in EFFECTS.items() if effect.form_of_friction}
-    leaves = moved.word == "unknown_physics"
-    takes_its_place = is_late and not leaves and names == known - {"drive_lag"}
-    if _leaves_noise_alone(before) or takes_its_place:
-        # Rows without weights: both leave noise alone, each by nulls of its own.
-        return takes_its_place and lagging.held.plain.after < findings.held.plain.after
-    says_it_shorter = is_late and not leaves and len(moved.effects) + 1 < len(before.effects)
-    if says_it_shorter and moved.held.rmse_after < (1.0 + SETTINGS.late_alike) * before.held.rmse_after:
-        return True
-    was_no_noise = moved.held.rmse_after < before.held.noise_floor  # by which the names before were weighed
-    allowed = names <= known or (not leaves and (was_no_noise or (findings.unknown and not is_late)))
-    least = SETTINGS.late_explains if leaves else SETTINGS.late_fall
-    return allowed and moved.held.rmse_after < (1.0 - least) * before.held.rmse_after
+    return choose_late((findings, verdict), answer, usual, shows=shows)
 
 
 def _choose_base(given: Given, draws: int, acts_late: float = 0.0) -> Callable[..., Baseline]:

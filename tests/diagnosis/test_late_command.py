@@ -41,3 +41,9 @@ def test_a_late_command_is_a_delay(late: float, noise: float) -> None:
     assert [effect.name for effect in found.effects] == ["torque_delay"]
     delay = found.effects[0].parameters["delay"].value
     assert delay == pytest.approx(late + 1e-3, abs=1.5e-3)  # a torque that is held acts half a sample later
+
+
+@pytest.mark.slow
+def test_where_a_low_pass_says_as_much_both_are_told() -> None:
+    (effect,) = diagnose(_record_late(0.005, 0.06)).effects
+    assert {effect.name, *effect.indistinguishable_from} == {"drive_lag", "torque_delay"}

@@ -25,6 +25,23 @@ class VerdictSettings:
 
 
 @dataclass(frozen=True)
+class LateSettings:
+    """When an answer with the torque moved to where it may act takes the place of one without.
+
+    Attributes:
+        fall: Part by which the held-out error must fall for a delay beside what is named.
+        alike: Part by which it may rise where a delay takes fewer names, or is told as what a lag cannot be told from:
+            what an effect of a fifth of the noise explains.
+        explains: The same as `fall` where something stays unknown beside it, or more is named. A gap or a spring bends
+            a joint like a delay, and a lag that was found names all that is missing.
+    """
+
+    fall: float = 0.1
+    alike: float = 0.02
+    explains: float = 0.5
+
+
+@dataclass(frozen=True)
 class ProbabilitySettings:
     """How the share of repetitions becomes a probability: at_none + (at_all - at_none) share^power.
 
@@ -125,3 +142,4 @@ EXPERIMENT = ExperimentSettings()
 PROBABILITY = ProbabilitySettings()
 SHARING = SharingSettings()
 VERDICT = VerdictSettings()
+LATE = LateSettings()
