@@ -38,6 +38,9 @@ class InputSettings:
     """Longest Savitzky-Golay window that keeps the reversals of a joint [s]."""
     spike: float = 5.0
     """Noise deviations from the median of those about it beyond which a sample may be no measurement."""
+    quickest_swing: float = 0.01
+    """Shortest swing of a loop about a reversal [s]. Where three samples last longer, a peak of them may be one; a
+    shorter one is a kick that a joint with a gap does not answer."""
     shortest_window: int = 7
     """Fewest samples of that window, for slow recordings."""
     unrest_window: float = 0.05

@@ -25,19 +25,26 @@ def remove_spikes(torque: FloatArray, noise: float, position: FloatArray, dt: fl
         position: Recorded position [rad] or [m]. Shape (n,).
         dt: Sample time [s].
     """
-    calm = take_out_spikes(torque, noise)
+    calm = take_out_spikes(torque, noise, slow=_WINDOW // 2 * dt > INPUT.quickest_swing)
     lone = calm != torque
     return np.where(lone & ~find_answered_kicks(torque, lone, position, dt), calm, torque) if lone.any() else torque
 
 
-def take_out_spikes(values: FloatArray, noise: float) -> FloatArray:
-    """Put samples that stand out from their neighbours' median by many noise deviations back on that median, where they
-    come and go more abruptly than anything about them: in few samples a second, a peak of a few is a controller's.
+def take_out_spikes(values: FloatArray, noise: float, *, slow: bool = False) -> FloatArray:
+    """Put samples that stand out from their neighbours' median by many noise deviations back on that median.
+
+    Args:
+        values: Samples. Shape (n,).
+        noise: Standard deviation of their noise.
+        slow: Whether a few samples last as long as a swing of a loop. Its peak at a reversal is no spike then: only
+            those samples are that come and go more abruptly than anything about them.
     """
     middle = median_filter(values, _WINDOW, mode="nearest")
     limit = INPUT.spike * max(noise, 1e-3 * float(np.std(values)))
     apart = np.abs(values - middle) > limit
-    return np.where(apart & _find_abrupt(values, apart), middle, values) if apart.any() else values
+    if slow and apart.any():
+        apart &= _find_abrupt(values, apart)
+    return np.where(apart, middle, values)
 
 
 def _find_abrupt(values: FloatArray, apart: NDArray[np.bool_]) -> NDArray[np.bool_]:
