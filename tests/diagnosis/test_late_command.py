@@ -45,5 +45,5 @@ def test_a_late_command_is_a_delay(late: float, noise: float) -> None:
 
 @pytest.mark.slow
 def test_where_a_low_pass_says_as_much_both_are_told() -> None:
-    (effect,) = diagnose(_record_late(0.005, 0.06)).effects
+    (effect,) = diagnose(_record_late(0.0045, 0.06)).effects
     assert {effect.name, *effect.indistinguishable_from} == {"drive_lag", "torque_delay"}
