@@ -124,12 +124,15 @@ def say_same_joint(rows: Sequence[FleetRow], files: Sequence[str], out: Path) ->
     from fricomp.model import load_model
 
     models = [out / str(row["name"]) / "friction.json" for row in rows if not row["error"]]
-    named = [load_model(path).joint for path in models if path.exists()]
-    if len(named) < 2 or len(set(named)) > 1 or any(map(is_joint_table, files)):
+    models = [path for path in models if path.exists()]
+    if len(models) < 2 or any(map(is_joint_table, files)):
+        return
+    joint = load_model(models[0]).joint
+    if any(load_model(path).joint != joint for path in models[1:]):  # the first other one ends it
         return
     given = " ".join(map(shlex.quote, files))
     console().print(
-        f"{len(rows)} files of joint {named[0]!r}, as they say or since they name none: each was taken as a joint of a "
+        f"{len(rows)} files of joint {joint!r}, as they say or since they name none: each was taken as a joint of a "
         f"fleet. If they are runs of one joint: 'fricomp diagnose {given} --out {out}_together' fits them together.",
         style="yellow",
         markup=False,

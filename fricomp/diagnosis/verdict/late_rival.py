@@ -54,8 +54,9 @@ def _completes(late: Answer, answer: Answer, is_late: bool) -> bool:
     something unknown, or where less is left than had passed for noise. Or whether it says with fewer names as much, or
     better by a delay what a lag had said."""
     (_, moved), (findings, before) = late, answer
-    if leaves_noise_alone(before) or (is_late and _takes_its_place(moved, before)):
-        return is_late and _takes_its_place(moved, before) and _compare_plain(late, answer) < 1.0
+    instead = is_late and _takes_its_place(moved, before)
+    if instead or leaves_noise_alone(before):
+        return instead and _compare_plain(late, answer) < 1.0
     names, known = _list_names(moved), {effect.name for effect in before.effects}
     leaves = moved.word == "unknown_physics"
     says_it_shorter = is_late and not leaves and len(moved.effects) + 1 < len(before.effects)
@@ -80,11 +81,8 @@ def _takes_its_place(moved: Verdict, before: Verdict) -> bool:
 
 def _list_names(verdict: Verdict) -> set[str]:
     """What is named, without the form of the friction."""
-    return {effect.name for effect in verdict.effects if not _is_form(effect.name)}
-
-
-def _is_form(name: str) -> bool:
-    return name in EFFECTS and EFFECTS[name].form_of_friction
+    forms = {name for name, effect in EFFECTS.items() if effect.form_of_friction}
+    return {effect.name for effect in verdict.effects} - forms
 
 
 def _compare_plain(late: Answer, answer: Answer) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fricomp.root_mean_square import compute_rms
 
+from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
@@ -69,9 +70,7 @@ class ExternalDisturbance(Effect):
         torque = np.zeros_like(context.position)
         for k, (which, _, _) in enumerate(_list_windows([context]), start=1):
             if which == context.index:
-                roundness = float(np.exp(values[f"roundness_{k}"]))
-                shape = shape_push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
-                torque += values[f"torque_{k}"] * shape
+                torque += values[f"torque_{k}"] * _shape_window(context, values, k)
         return Contribution(additive=torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
@@ -90,10 +89,14 @@ class ExternalDisturbance(Effect):
         means = []
         for k, (which, _, _) in enumerate(windows, start=1):
             (context,) = (one for one in contexts if one.index == which)
-            roundness = float(np.exp(values[f"roundness_{k}"]))
-            shape = shape_push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
+            shape = _shape_window(context, values, k)
             means.append(float(np.abs(context.velocity) @ shape) / max(float(np.sum(shape)), 1e-12))
         return max(means) < slow and float(np.mean(speeds < slow)) ** len(windows) < self.coincidence
+
+
+def _shape_window(context: Context, values: Values, k: int) -> FloatArray:
+    """Shape of push `k`, 1 at its peak. Shape (n,)."""
+    return shape_push(context.time, values[f"start_{k}"], values[f"end_{k}"], float(np.exp(values[f"roundness_{k}"])))
 
 
 def _list_windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:
