@@ -184,12 +184,22 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         self._arrivals.clear()
 
     @final
+    def _await_states(self, complaint: str) -> None:
+        """Ask all drives for their state, and wait until each has told it anew.
+
+        Raises:
+            AdapterTimeout: Not all have within the response timeout.
+        """
+        self._forget_states()
+        self._ask_state()
+        self._wait(self._arrivals.take, self._response_timeout, complaint)
+
+    @final
     def _check_delay(self, stale_after: float) -> None:
         """Ask once while nothing else is under way: later an answer cannot be told from one to an earlier request."""
-        self._forget_states()
+        self._pump()
         asked = self.clock.now_ns()
-        self._ask_state()
-        self._wait(self._arrivals.take, self._response_timeout, "not all joints answered with their state")
+        self._await_states("not all joints answered with their state")
         delay = (self.clock.now_ns() - asked) * 1e-9
         if delay > stale_after:
             raise AdapterConfigurationError(
@@ -199,10 +209,8 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
 
     @final
     def _ask_faults(self) -> Sequence[int]:
-        self._forget_states()
-        self._ask_state()
         with suppress(AdapterTimeout):  # one that has fallen silent may have told it by itself, as CANopen's EMCY
-            self._wait(self._arrivals.take, self._response_timeout, "not all joints answered with their state")
+            self._await_states("not all joints answered with their state")
         return list(self._reported.fault)
 
     @final

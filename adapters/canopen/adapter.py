@@ -129,8 +129,7 @@ class CanOpenAdapter(CanOpenReceiver):
             self._send([_nmt(NMT_START, drive)])
         self._arrivals.clear()
         self._send([SYNC])
-        timeout = self._configuration.response_timeout
-        self._wait(self._arrivals.take, timeout, "not all drives answered SYNC with their state")
+        self._wait(self._arrivals.take, self._response_timeout, "not all drives answered SYNC with their state")
         self._mode_in_use, self._period = mode, period
         self._configured = self._known = True
 
@@ -149,7 +148,7 @@ class CanOpenAdapter(CanOpenReceiver):
         return set_watchdog(drive, self._configuration)
 
     def _wait_for_answer(self, condition: Callable[[], bool]) -> None:
-        self._wait(condition, self._configuration.response_timeout, "no such answer")
+        self._wait(condition, self._response_timeout, "no such answer")
 
     # -- moving -------------------------------------------------------------------------------------------
 
@@ -186,7 +185,7 @@ class CanOpenAdapter(CanOpenReceiver):
 
     def _lead(self, word: Callable[[CanOpenDrive, int], int], arrived: Callable[[], bool], complaint: str) -> None:
         """Command controlwords at rest, cycle by cycle, until the drives say that they have arrived."""
-        deadline = self.clock.now_ns() + round(2e9 * self._configuration.response_timeout)
+        deadline = self.clock.now_ns() + round(2e9 * self._response_timeout)
         step, answered = 0, False
         self._arrivals.clear()  # states from before do not count
         while True:

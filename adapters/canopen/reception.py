@@ -34,7 +34,7 @@ class CanOpenReceiver(CanAdapter):
         def send(identifier: int, data: bytes) -> None:
             self._send([CanFrame(identifier, data)])
 
-        return CanOpenDrive(node_id, ServiceChannel(node_id, send, self._wait, self._configuration.response_timeout))
+        return CanOpenDrive(node_id, ServiceChannel(node_id, send, self._wait, self._response_timeout))
 
     def _make_routes(self) -> dict[int, Callable[[bytes], None]]:
         """What to do with the frames of each identifier, states aside."""

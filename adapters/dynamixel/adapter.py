@@ -17,7 +17,6 @@ from .control_table import (
     GOAL_CURRENT,
     GOAL_POSITION,
     GOAL_VELOCITY,
-    GOALS,
     HARDWARE_ERROR,
     LARGEST_POSITION,
     MODEL_NUMBER,
@@ -36,8 +35,8 @@ from .control_table import (
     Model,
     models,
 )
-from .goals import compute_current_bound, encode_goals, stop_packets
-from .packet import Instruction, StatusPacket, SyncWriter, encode_packet, sync_read_packet
+from .goals import GoalWriter, compute_current_bound, stop_packets
+from .packet import Instruction, StatusPacket, encode_packet, sync_read_packet
 from .report import (
     FAULT_WATCHDOG,
     INDIRECT_ADDRESSES,
@@ -79,22 +78,10 @@ class DynamixelAdapter(ServoLine):
     ) -> None:
         super().__init__(configuration, open_link, clock)
         n_joints = len(self._servos)
-        self._torque_counts = [1.0] * n_joints
+        self._goals = GoalWriter(self._servos)
         self._current_counts = [1.0] * n_joints
-        self._current_limits, self._velocity_limits = [0] * n_joints, [0] * n_joints
         self._data_addresses = [0] * n_joints
         self._turns = [CountUnwrapper() for _ in range(n_joints)]
-        self._goal_counts: dict[CommandMode, Sequence[float]] = {
-            "torque": self._torque_counts,
-            "velocity": [VELOCITY_COUNT] * n_joints,
-            "position": [POSITION_COUNT] * n_joints,
-        }
-        self._goal_bounds: dict[CommandMode, Sequence[int]] = {
-            "torque": self._current_limits,
-            "velocity": self._velocity_limits,
-            "position": [LARGEST_POSITION] * n_joints,
-        }
-        self._writers = {mode: SyncWriter(*goal, self._servos) for mode, goal in GOALS.items()}
         self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
         self._stop_packets = stop_packets(self._servos)
         self._guard = max(1, round(configuration.watchdog / WATCHDOG_COUNT))
@@ -118,7 +105,7 @@ class DynamixelAdapter(ServoLine):
             fault = compute_fault(report, error, self._guard if self._running else None, self._most[joint])
         reported.fault[joint] = fault
         if watchdog:
-            reported.torque[joint] = current * self._torque_counts[joint]
+            reported.torque[joint] = current * self._goals.torque_counts[joint]
             reported.current[joint] = current * self._current_counts[joint]
             reported.velocity[joint] = velocity * VELOCITY_COUNT
             reported.position[joint] = self._turns[joint].unwrap(position) * POSITION_COUNT
@@ -145,7 +132,7 @@ class DynamixelAdapter(ServoLine):
         Raises:
             AdapterConfigurationError: It cannot control current, or is set to energise itself.
         """
-        servo, named = self._servos[joint], self._configuration.joints[joint]
+        servo, named, goals = self._servos[joint], self._configuration.joints[joint], self._goals
         number = self._read_item(servo, MODEL_NUMBER)
         model = models().get(number, Model(f"model {number}"))
         if model.current_count is None:
@@ -155,19 +142,19 @@ class DynamixelAdapter(ServoLine):
             )
         self._refuse_unwanted(servo, named.name)
         self._data_addresses[joint] = model.indirect_data
-        self._current_limits[joint] = self._read_item(servo, CURRENT_LIMIT)
-        self._velocity_limits[joint] = self._read_item(servo, VELOCITY_LIMIT)
+        goals.current_limits[joint] = self._read_item(servo, CURRENT_LIMIT)
+        goals.velocity_limits[joint] = self._read_item(servo, VELOCITY_LIMIT)
         self._current_counts[joint] = model.current_count
-        self._torque_counts[joint] = count = model.current_count * (named.torque_constant or 1.0)
+        goals.torque_counts[joint] = count = model.current_count * (named.torque_constant or 1.0)
         return JointCapabilities(
             named.name,
             torque_unit="N·m" if named.torque_constant else "A",
             position_quantum=POSITION_COUNT,
             velocity_quantum=VELOCITY_COUNT,
             velocity_command_quantum=VELOCITY_COUNT,
-            velocity_limit=self._velocity_limits[joint] * VELOCITY_COUNT,
+            velocity_limit=goals.velocity_limits[joint] * VELOCITY_COUNT,
             torque_quantum=count,
-            torque_limit=self._current_limits[joint] * count,
+            torque_limit=goals.current_limits[joint] * count,
         )
 
     def _find_energised(self) -> Sequence[bool | None]:
@@ -185,7 +172,7 @@ class DynamixelAdapter(ServoLine):
         and condition share one block therefore, for 4 bytes a servo and cycle.
         """
         baudrate, n_joints = self._configuration.serial.baudrate, len(self._servos)
-        goals = self._writers[mode].encode([0] * n_joints)
+        goals = self._goals.encode(JointCommand(n_joints), mode)
         request = report_request(self._servos, self._data_addresses)
         cycle = len(goals) + len(request) + n_joints * (REPORT_SIZE + STATUS_BYTES)
         return BusBudget([serial_time(cycle, baudrate)]).highest_rate
@@ -215,10 +202,10 @@ class DynamixelAdapter(ServoLine):
         self._bounds[joint], self._most[joint] = 0, UNBOUNDED
         if self._mode_in_use == "torque":
             return
-        servo, most = self._servos[joint], self._current_limits[joint]
+        servo, most = self._servos[joint], self._goals.current_limits[joint]
         limit, gear = self._checked_options.limits[joint], self._checked_options.gears[joint]
         unit = "N·m" if self._configuration.joints[joint].torque_constant else "A"
-        bound = compute_current_bound(limit.torque, unit, gear.gear_ratio, self._torque_counts[joint])
+        bound = compute_current_bound(limit.torque, unit, gear.gear_ratio, self._goals.torque_counts[joint])
         if bound > most:
             raise AdapterConfigurationError(
                 f"servo {servo}: a torque limit of {bound} counts of current is beyond its current limit, {most}"
@@ -300,14 +287,13 @@ class DynamixelAdapter(ServoLine):
             )
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
-        counts = encode_goals(getattr(command, mode), self._goal_counts[mode], self._goal_bounds[mode])
+        goals = self._goals.encode(command, mode)
         if self._is_taken():
             # A cycle came early, or an answer is missing. Goals would be destroyed by the answers, and destroy them;
             # those of the next cycle will find the wire silent, because the rate leaves time for a whole exchange.
             self._n_held_back += 1
             self._asked_ns = self._requested_ns
             return
-        goals = self._writers[mode].encode(counts)
         self._take_turn(len(goals) + self._exchange_bytes)
         self._send(goals + self._request)
 

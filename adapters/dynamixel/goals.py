@@ -4,13 +4,14 @@ from collections.abc import Sequence
 from math import ceil
 
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
+from fricomp.joint import CommandMode, JointCommand
 
 from ..transmission import SCALED_UNITS
-from .control_table import GOAL_CURRENT, TORQUE_ENABLE
-from .packet import sync_write_packet
+from .control_table import GOAL_CURRENT, GOALS, LARGEST_POSITION, POSITION_COUNT, TORQUE_ENABLE, VELOCITY_COUNT
+from .packet import SyncWriter, sync_write_packet
 from .report import REPORT_SIZE, STATUS_BYTES
 
-__all__ = ["compute_current_bound", "encode_goals", "stop_packets"]
+__all__ = ["GoalWriter", "compute_current_bound", "encode_goals", "stop_packets"]
 
 # A limit that is a whole number of counts in decimals must not lose one to its binary fraction.
 ROUNDING = 1e-9
@@ -48,6 +49,39 @@ def encode_goals(values: Sequence[float], counts: Sequence[float], bounds: Seque
     except (ValueError, OverflowError) as error:
         raise AdapterValueError(f"{list(values)} cannot be sent to servos: {error}") from error
     return [min(max(goal, -bound), bound) for goal, bound in zip(goals, bounds, strict=True)]
+
+
+class GoalWriter:
+    """The packet of each mode that takes the goals of all servos, in their counts and within their own limits.
+
+    Args:
+        servos: Their identifiers.
+
+    Attributes:
+        torque_counts: Torque [N·m], or current [A], of one count of current of each servo.
+        current_limits: Of each servo [counts]; like the others filled in once the servos were asked.
+        velocity_limits: Of each servo [counts].
+    """
+
+    def __init__(self, servos: bytes) -> None:
+        n_servos = len(servos)
+        self.torque_counts = [1.0] * n_servos
+        self.current_limits, self.velocity_limits = [0] * n_servos, [0] * n_servos
+        domains: dict[CommandMode, tuple[Sequence[float], Sequence[int]]] = {
+            "torque": (self.torque_counts, self.current_limits),
+            "velocity": ([VELOCITY_COUNT] * n_servos, self.velocity_limits),
+            "position": ([POSITION_COUNT] * n_servos, [LARGEST_POSITION] * n_servos),
+        }
+        self._modes = {mode: (SyncWriter(*GOALS[mode], servos), *domain) for mode, domain in domains.items()}
+
+    def encode(self, command: JointCommand, mode: CommandMode) -> bytes:
+        """The packet of a command, each goal cut to its limit.
+
+        Raises:
+            AdapterValueError: A value is not finite.
+        """
+        writer, counts, bounds = self._modes[mode]
+        return writer.encode(encode_goals(getattr(command, mode), counts, bounds))
 
 
 def stop_packets(servos: bytes) -> bytes:

@@ -102,7 +102,7 @@ class ServoLine(SerialAdapter):
         self._awaited, self._answer = (servo, n_bytes), None
         try:
             self._send(packet)
-            timeout = self._configuration.response_timeout
+            timeout = self._response_timeout
             self._wait(lambda: self._answer is not None, timeout, f"servo {servo} did not answer to {what}")
         finally:
             self._awaited = None

@@ -164,7 +164,7 @@ class MitAdapter(CanAdapter):
             self._send([motor.read_frame(register)])
             self._wait(
                 lambda: register.number in answers,
-                self._configuration.response_timeout,
+                self._response_timeout,
                 f"joint {self._configuration.joints[joint].name!r} (id {motor.address}) did not answer "
                 f"about register {register.number:#x}",
             )
@@ -218,7 +218,7 @@ class MitAdapter(CanAdapter):
             self._send(
                 [motor.enable_frame if frames == "enable" else motor.torque_frame(0.0) for motor in self._motors]
             )
-        self._wait(self._all_enabled, self._configuration.response_timeout, "not all motors reported to be enabled")
+        self._wait(self._all_enabled, self._response_timeout, "not all motors reported to be enabled")
         self._loops = self._make_loops()
         self._enabled_ns = self.clock.now_ns()
         self._running = True
@@ -311,11 +311,7 @@ class MitAdapter(CanAdapter):
         self._pump()
         self._forget()
         self._ask_state()
-        self._wait(
-            lambda: all(self._seen),
-            self._configuration.response_timeout,
-            f"not all of {self._names_and_ids()} answered",
-        )
+        self._wait(lambda: all(self._seen), self._response_timeout, f"not all of {self._names_and_ids()} answered")
 
     def _forget(self) -> None:
         self._seen = [False] * len(self._motors)

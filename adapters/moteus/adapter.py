@@ -126,8 +126,7 @@ class MoteusAdapter(SerialAdapter):
     def _open(self) -> Capabilities:
         self._connect()
         self._send(b"\n" + self._query)  # the empty line ends whatever was cut short before us
-        timeout = self._configuration.response_timeout
-        self._wait(self._arrivals.take, timeout, f"not all of controllers {self._addresses} answered")
+        self._wait(self._arrivals.take, self._response_timeout, f"not all of controllers {self._addresses} answered")
         joints = tuple(JointCapabilities(joint.name) for joint in self._configuration.joints)
         return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), None)
 
@@ -188,7 +187,7 @@ class MoteusAdapter(SerialAdapter):
             return False
 
         complaint = f"controller {self._addresses[joint]} did not answer {line!r}"
-        self._wait(answered, self._configuration.response_timeout, complaint)
+        self._wait(answered, self._response_timeout, complaint)
         return self._texts[joint].partition(b"\n")[0].decode("ascii", "replace").strip()
 
     # -- moving -----------------------------------------------------------------------------------------------
@@ -198,7 +197,7 @@ class MoteusAdapter(SerialAdapter):
         self._raise_if_stopped()
         self._poll_all()  # where the joints are now is where they will be held
         self._modes = [None] * len(self._addresses)
-        deadline = self.clock.now_ns() + round(self._configuration.response_timeout * 1e9)
+        deadline = self.clock.now_ns() + round(self._response_timeout * 1e9)
         hold = JointCommand(len(self._addresses))
         hold.position[:] = self._reported.position
         while not all(mode == MODE_POSITION for mode in self._modes):
@@ -244,8 +243,7 @@ class MoteusAdapter(SerialAdapter):
         self._pump()
         self._modes = [None] * len(self._addresses)
         self._ask_state()
-        timeout = self._configuration.response_timeout
-        self._wait(self._all_answered, timeout, f"not all of controllers {self._addresses} answered")
+        self._wait(self._all_answered, self._response_timeout, f"not all of controllers {self._addresses} answered")
 
     def _all_answered(self) -> bool:
         return all(mode is not None for mode in self._modes)

@@ -160,12 +160,7 @@ class OdriveAdapter(ParameterAdapter):
         )
 
     def _poll_all(self) -> None:
-        """Ask all nodes for their state and wait for the answers."""
-        self._pump()
-        self._arrivals.clear()
-        self._ask_state()
-        timeout = self._configuration.response_timeout
-        self._wait(self._arrivals.take, timeout, f"not all of nodes {self._nodes} answered with their estimates")
+        self._await_states(f"not all of nodes {self._nodes} answered with their estimates")
 
     def _modes(self) -> tuple[CommandMode, ...]:
         # Set_Limits of CANSimple is no substitute: it bounds the current, and what it has set cannot be asked for.

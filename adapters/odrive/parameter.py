@@ -69,7 +69,7 @@ class ParameterAdapter(CanAdapter):
         self._answers[joint] = None
         self._send([request])
         complaint = f"node {self._nodes[joint]} did not answer"
-        self._wait(answered, self._configuration.response_timeout, complaint)
+        self._wait(answered, self._response_timeout, complaint)
         return found[0]
 
     def _set_endpoint(self, joint: int, name: str, value: float) -> bool:
