@@ -84,6 +84,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         still_joints=found.recording.still,
         unknown_joints=found.recording.strangers,
         one_way=found.recording.one_way,
+        in_order=arm.in_order,
         turned_torques=found.recording.turned,
         degrees=found.recording.degrees,
         unwrapped=found.recording.unwrapped,

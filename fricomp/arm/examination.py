@@ -28,6 +28,7 @@ from .search.degrees import are_degrees, take_radians
 from .search.frames import find_turned_torques, turn_torque
 from .search.gear import YIELDING_GEAR
 from .search.mounting import find_mounting
+from .search.order import require_order
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,7 @@ def match_recordings(
     moving = [one for one in matched if one.metadata.joint not in still]
     if not moving:
         raise RecordingError(f"none of {', '.join(still)} moves further than it sways: move the arm")
-    held = read_arm(simulation, [one.metadata.joint for one in moving], still=still)
+    held = replace(read_arm(simulation, [one.metadata.joint for one in moving], still=still), in_order=arm.in_order)
     held, joined = _join_rightly(held, moving)
     return held, replace(joined, still=tuple(still), degrees=degrees, unwrapped=unwrapped)
 
@@ -157,6 +158,8 @@ def match_recordings(
 def _join_rightly(arm: SimulatedArm, recordings: Sequence[Recording]) -> tuple[SimulatedArm, ArmRecording]:
     """All joints on one clock, with torques that accelerate towards positive position, and the arm as it is mounted."""
     joined = join_joints(recordings)
+    if arm.in_order:
+        require_order(arm, joined)
     mounting = find_mounting(arm, joined)
     if mounting is not None:
         arm, joined = arm.with_gravity(mounting.gravity), replace(joined, frames_instead=mounting.frames)

@@ -215,6 +215,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         held_joints: Joints of the simulation that nothing was recorded of.
         still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
         unknown_joints: Joints that were recorded and moved, and that the simulation does not have: they were left out.
+        in_order: Whether the log has numbers where the simulation has names: they were taken in the order of its chain.
         turned_torques: Joints whose torques were recorded with the opposite sign, and were turned round.
         degrees: Whether positions were degrees, though nothing in the log said so.
         unwrapped: Joints whose positions wrapped round at a turn, and were taken to go on there.
@@ -253,6 +254,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     torque_scales: dict[str, float] = {}
     guided: tuple[tuple[float, float], ...] = ()
     lone_link: LoneLink | None = None
+    in_order: bool = False
 
 
 def arm_json_schema() -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import combinations
@@ -63,6 +64,29 @@ def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mappi
         return {name: str(there) for name, there in by_words.items()}
     taken = [there for name, there in found.items() if name not in {*missing, *twice}]
     raise SimulationFileError(_write_refusal([*missing, *twice], [one for one in simulated if one not in taken]))
+
+
+def match_in_order(recorded: Sequence[str], chain: Sequence[str]) -> dict[str, str]:
+    """Name in the simulation of each recorded joint, where recordings have numbers alone and joints are one chain.
+
+    Logs number joints from the base outwards, as a chain has them. Names of the simulation that are numbered otherwise
+    contradict that.
+
+    Args:
+        recorded: Names in the recordings.
+        chain: Names of all joints of the simulation that turn or slide by themselves, from the base outwards; none
+            where they branch.
+
+    Returns:
+        Nothing where that does not tell them.
+    """
+    numbers = {name: int(simplify_joint(name)) for name in recorded if simplify_joint(name).isdigit()}
+    first = min(numbers.values(), default=0)
+    counted = sorted(numbers.values()) == list(range(first, first + len(chain))) and first in (0, 1)
+    own = [int(found[0]) for found in (re.findall(r"\d+", name) for name in chain) if found]
+    if len(numbers) < len(recorded) or not counted or own != sorted(own):
+        return {}
+    return {name: chain[number - first] for name, number in numbers.items()}
 
 
 def find_strangers(recorded: Sequence[str], simulated: Sequence[str], given: Mapping[str, str]) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from fricomp.simulation_file import compile_simulation, list_mimics
 
 from .inertia import LinkCoordinates, combine_inertia
 from .kinematics import JointMotion, move_bodies
-from .naming import match_joints
+from .naming import match_in_order, match_joints
 
 
 class LinkMotion(NamedTuple):
@@ -73,6 +74,7 @@ class SimulatedArm:
         held: Names of the joints that nothing was recorded of: they stay where the simulation has them.
         followers: Joints that move with a recorded one.
         remounted: Whether gravity is another one than in the file.
+        in_order: Whether recorded joints have numbers alone, and were taken for those of the chain in its order.
         carried: As `inertia`, of the bodies alone that are fixed to a link or held on it. Shape (n_links, 10).
     """
 
@@ -89,6 +91,7 @@ class SimulatedArm:
     _bodies: tuple[int, ...]
     _pose: FloatArray
     remounted: bool = False
+    in_order: bool = False
 
     def follow(self, position: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> list[LinkMotion]:
         """Move the links as the joints moved.
@@ -223,9 +226,9 @@ def read_arm(
 
     kinds = {int(mujoco.mjtJoint.mjJNT_HINGE): True, int(mujoco.mjtJoint.mjJNT_SLIDE): False}
     every = [model.joint(i).name for i in range(model.njnt)]
-    matched = match_joints(
-        joints, [name for i, name in enumerate(every) if int(model.jnt_type[i]) in kinds], names or {}
-    )
+    movable = [name for i, name in enumerate(every) if int(model.jnt_type[i]) in kinds]
+    in_order = {} if names else _match_in_order(model, joints, movable)
+    matched = in_order or match_joints(joints, movable, names or {})
     ids = [every.index(matched[name]) for name in joints]
     dofs = model.jnt_dofadr[ids]
     _refuse_floating(model, ids, path)
@@ -248,7 +251,25 @@ def read_arm(
         _model=model,
         _bodies=tuple(moved),
         _pose=pose,
+        in_order=bool(in_order),
     )
+
+
+def _match_in_order(model: Any, joints: Sequence[str], movable: Sequence[str]) -> dict[str, str]:
+    """Names of joints by their place in the chain, where names say nothing and there is no other; else none."""
+    try:
+        match_joints(joints, movable, {})
+    except SimulationFileError:
+        return match_in_order(joints, _list_chain(model, movable))
+    return {}
+
+
+def _list_chain(model: Any, movable: Sequence[str]) -> list[str]:
+    """Names of the joints that move by themselves, from the base outwards; none where they branch."""
+    following = {model.joint(one.follower).name for one in list_mimics(model)}
+    chain = [name for name in movable if name not in following]
+    bodies = [int(model.jnt_bodyid[model.joint(name).id]) for name in chain]
+    return chain if all(_link_of(model, above, [below]) == below for below, above in pairwise(bodies)) else []
 
 
 def _refuse_floating(model: Any, joints: Sequence[int], path: str | Path) -> None:

@@ -13,12 +13,20 @@ def say_corrections(record: ArmRecord) -> tuple[str, ...]:
     """What was taken to be otherwise than log and simulation have it, before anything was fitted."""
     degrees = "Positions were taken to be in degrees: only then does the simulation explain the torques."
     return (
+        *_say_order(record),
         *((degrees,) if record.degrees else ()),
         *_say_unwrapped(record.unwrapped),
         *say_gravity(record.gravity, record.frames_instead),
         *say_turned(record.turned_torques),
         *say_guided(record.guided),
     )
+
+
+def _say_order(record: ArmRecord) -> tuple[str, ...]:
+    """Which joints of the simulation the numbers of the log were taken for, if the log has no names."""
+    names = ", ".join(joint.name for joint in record.joints)
+    order = f"Joints of the log have numbers alone, and were taken in the order of the simulation's chain: {names}."
+    return (order,) if record.in_order else ()
 
 
 def _say_unwrapped(joints: Sequence[str]) -> tuple[str, ...]:

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from fricomp.arm.examination import match_recordings
-from fricomp.arm.rigid.naming import find_strangers, match_joints, parse_names
+from fricomp.arm.rigid.naming import find_strangers, match_in_order, match_joints, parse_names
 from fricomp.arm.rigid.regressor import compute_regressor
 from fricomp.arm.rigid.simulated_arm import read_arm
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 
-from ..moving_arm import write_arm
+from ..moving_arm import record_arm, write_arm
 
 INERTIAL = (
     '<inertial><origin xyz="0.01 0.02 0.1"/><mass value="{0}"/>'
@@ -231,3 +231,35 @@ def test_a_recorded_gripper_that_moved_and_is_not_in_the_simulation_is_left_out(
     assert arm.joints == names[:-1]
     assert recording.strangers == ("lamp",)
     assert recording.still == ()
+
+
+def test_numbers_alone_are_the_joints_of_a_chain_in_its_order(tmp_path: Path) -> None:
+    """Logs with columns q_1 to q_6 of an arm whose joints have names were refused."""
+    assert match_in_order(("joint_2", "joint_1"), ("hip", "knee")) == {"joint_1": "hip", "joint_2": "knee"}
+    assert match_in_order(("q_0", "q_1"), ("hip", "knee")) == {}
+    assert match_in_order(("joint_0", "joint_1"), ("joint_a1", "joint_a2")) == {
+        "joint_0": "joint_a1",
+        "joint_1": "joint_a2",
+    }
+    for recorded, chain in (("1 3", "hip knee"), ("1 2", "hip knee foot"), ("1 2", "axis2 axis1"), ("1 lamp", "a b")):
+        assert match_in_order([f"joint_{one}" for one in recorded.split()], chain.split()) == {}
+    arm = read_arm(write_arm(tmp_path), ("joint_1", "joint_2", "joint_3", "joint_4"))
+    assert arm.in_order
+    assert arm.joints == ("shoulder", "elbow", "wrist", "grip")
+    assert not read_arm(write_arm(tmp_path), arm.joints).in_order
+
+
+def test_an_order_that_the_torques_contradict_is_refused(tmp_path: Path) -> None:
+    simulation = write_arm(tmp_path)
+    text = simulation.read_text(encoding="utf-8").replace(
+        '<joint name="grip" type="slide" axis="1 0 0" range="0 0.04"/>', ""
+    )
+    simulation.write_text(text, encoding="utf-8")
+    recordings = record_arm(simulation, duration=20.0)
+
+    def number(order: tuple[int, ...]) -> list[Recording]:
+        return [one.with_metadata(joint=f"joint_{k}") for k, one in zip(order, recordings, strict=True)]
+
+    assert match_recordings(number((1, 2, 3)), simulation)[0].in_order
+    with pytest.raises(SimulationFileError, match="elbow, shoulder, wrist explains them much better"):
+        match_recordings(number((2, 1, 3)), simulation)
