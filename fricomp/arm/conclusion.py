@@ -64,7 +64,7 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         for one in (_describe_joint(answer, j, averages[j], others) for j in range(len(arm.joints)))
     )
     intervals = average_links(found.fit, others)
-    links = tuple(describe_link(found, i, intervals[i]) for i in range(len(arm.links)))
+    links = tuple(describe_link(found, i, intervals[i], others.list_instead(i)) for i in range(len(arm.links)))
     delay = found.delay
     gain, gain_spread = found.fit.gain
     record = ArmRecord(

@@ -154,6 +154,7 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
         determined: Which of "mass", "x", "y", "z" this motion determines: the recording at least halves what was
             uncertain before. The others are mostly what the simulation has.
         simulated_first_moment: In the simulation [kg·m].
+        instead: Links that would explain the recording as well, were they far off and this one not.
     """
 
     name: str
@@ -163,6 +164,7 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
     state: LinkState
     determined: tuple[str, ...] = ()
     simulated_first_moment: dict[str, float] = {}
+    instead: tuple[str, ...] = ()
 
 
 class LoneLink(msgspec.Struct, frozen=True, kw_only=True):

@@ -30,13 +30,16 @@ def measure_link_change(found: ArmIdentification, joint: int) -> float:
     return float(_measure_changes(found, slice(len(found.fit.arm.links)))[joint])
 
 
-def describe_link(found: ArmIdentification, link: int, intervals: FloatArray) -> LinkRecord:
+def describe_link(
+    found: ArmIdentification, link: int, intervals: FloatArray, instead: tuple[str, ...] = ()
+) -> LinkRecord:
     """What is said of one link.
 
     Args:
         found: The confirmed fit.
         link: Its number.
         intervals: Of its mass and first moments. Shape (4, 2).
+        instead: Links that would do in its place, were they far off.
     """
     fit = found.fit
     at = slice(N_INERTIA * link, N_INERTIA * (link + 1))
@@ -56,6 +59,7 @@ def describe_link(found: ArmIdentification, link: int, intervals: FloatArray) ->
         simulated_first_moment={axis: float(simulated[k]) for k, axis in enumerate(_AXES, start=1)},
         state=_judge_link(determined, off=_matters(found, link, far)),
         determined=tuple(name for name, known in zip(("mass", *_AXES), determined, strict=True) if known),
+        instead=instead,
     )
 
 

@@ -7,8 +7,8 @@ and none is narrower than beside the curve that was taken. No curve is one with 
 a joint has exactly that: beside no curve at all, an excess too small to be taken in moves Coulomb and viscous friction
 by several of their deviations.
 
-Of links over what was not taken in and is not improbable: another link that is far off, or a spring, moves what they
-weigh.
+Of links over what was not taken in and is not improbable: another link that is far off, beside those that are or in
+place of one, or a spring, moves what they weigh.
 """
 
 from __future__ import annotations
@@ -78,18 +78,15 @@ def average_links(fit: ArmFit, found: Alternatives) -> FloatArray:
         fit: What was confirmed, with deviations as its stretches show them.
         found: The same as its rows promise, and what else may be.
     """
-    own, others = found.own, list(found.others.values())
-    evidence = np.array([0.0, *(one.log_evidence - own.log_evidence for one in others)])
-    weights = np.exp(evidence - evidence.max())
     first, spread = _measure_links(fit)
-    wider = np.maximum(1.0, spread / _measure_links(own)[1])
-    each = [(first, spread), *((mean, wider * wide) for mean, wide in map(_measure_links, others))]
-    mean, wide = (np.stack(parts) for parts in zip(*each, strict=True))
-    ends = np.empty((*first.shape, 2))
-    half = float(norm.ppf(1.0 - _TAIL))
-    for at in np.ndindex(first.shape):
-        low, high = _find_interval(mean[:, *at], wide[:, *at], weights / weights.sum())
-        ends[at] = min(low, first[at] - half * spread[at]), max(high, first[at] + half * spread[at])
+    wider, half = np.maximum(1.0, spread / _measure_links(found.own)[1]), float(norm.ppf(1.0 - _TAIL))
+    ends = np.stack([first - half * spread, first + half * spread], axis=-1)
+    for (_, *others), weights in found.groups:
+        each = [(first, spread), *((mean, wider * wide) for mean, wide in map(_measure_links, others))]
+        mean, wide = (np.stack(parts) for parts in zip(*each, strict=True))
+        for at in np.ndindex(first.shape):
+            low, high = _find_interval(mean[:, *at], wide[:, *at], weights)
+            ends[at] = min(low, ends[*at, 0]), max(high, ends[*at, 1])
     return ends
 
 

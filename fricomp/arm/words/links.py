@@ -18,8 +18,13 @@ def name_link(link: LinkRecord) -> str:
             if axis in link.determined
         ]
         way = math.hypot(*moved) / max(link.simulated_mass, 1e-9)
-        return f"{link.name} (mass elsewhere, as if its centre were off by {1e3 * way:.2g} mm)"
-    return f"{link.name} ({link.mass.value - link.simulated_mass:+.3g} kg)"
+        return f"{link.name} (mass elsewhere, as if its centre were off by {1e3 * way:.2g} mm{_say_instead(link)})"
+    return f"{link.name} ({link.mass.value - link.simulated_mass:+.3g} kg{_say_instead(link)})"
+
+
+def _say_instead(link: LinkRecord) -> str:
+    """Which other links would do in place of one that is off, if any would."""
+    return f"; or {' or '.join(link.instead)} is off in its place" if link.instead else ""
 
 
 def say_lone_link(found: LoneLink | None) -> tuple[str, ...]:
@@ -44,7 +49,9 @@ def say_link(link: LinkRecord) -> str:
             for axis, one in (shown or link.first_moment).items()
         )
         where = f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}"
+        where += _say_instead(link)
         return f"{where}." if "mass" in link.determined else f"{where}; how heavy it is, this motion does not show."
     way = "heavier" if gap > 0.0 else "lighter"
     low, high = sorted((abs(low), abs(high)))
-    return f"{link.name} is {abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)."
+    size = f"{abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)"
+    return f"{link.name} is {size}{_say_instead(link)}."

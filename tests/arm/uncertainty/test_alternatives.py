@@ -60,3 +60,21 @@ def test_deviations_are_never_less_than_rows_promise(healthy: ArmExamination) ->
     wider = widen_covariance(own, found.equations, found.rows)
     assert np.all(np.diag(wider.covariance) >= (1.0 - 1e-9) * np.diag(own.covariance))
     assert np.any(np.diag(wider.covariance) > 1.01 * np.diag(own.covariance))
+
+
+def test_a_link_that_would_do_in_place_of_one_that_is_off_is_told_and_in_the_interval(tmp_path: Path) -> None:
+    """Along the axis of the wrist, torques tell what the hand and the lower arm weigh together, and no more."""
+    text = write_arm(tmp_path).read_text(encoding="utf-8")
+    simulation, moved = tmp_path / "on_axis.xml", tmp_path / "moved.xml"
+    simulation.write_text(text.replace("0 0.01 0.06", "0 0 0"), encoding="utf-8")
+    moved.write_text(text.replace("0 0.01 0.06", "0.06 0 0"), encoding="utf-8")
+    record = examine_arm(record_arm(moved, duration=20.0), simulation).record
+    told = {one.name: one.instead for one in record.links if one.state == "off"}
+    assert set(told) <= {"lower", "hand"}
+    (instead,) = told.values()
+    assert {*told, *instead} == {"lower", "hand"}
+    lower, hand = record.links[1].first_moment["x"], record.links[2].first_moment["x"]
+    assert lower.ci95[0] < 2.5 * 0.02 < lower.ci95[1]
+    assert hand.ci95[0] < 1.2 * 0.06 < hand.ci95[1]
+    (line,) = (one for one in record.summary if one.startswith("Links that are off"))
+    assert f"or {instead[0]} is off in its place" in line
