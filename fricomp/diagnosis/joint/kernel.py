@@ -103,6 +103,22 @@ def _compute_fall(x: float) -> float:
     return power
 
 
+@compile_kernel
+def compute_creep_friction(driven: float, level: float, speed: float, sharpness: float, slip: float) -> float:
+    """Torque of friction that creeps, where it acts on the velocity that it leaves itself [N·m].
+
+    Args:
+        driven: Velocity that would be without it [rad/s].
+        level: g(w) [N·m].
+        speed: v_c [rad/s].
+        sharpness: As above, 0 to 1.
+        slip: Velocity that a torque of 1 N·m takes away [rad/s per N·m]; 0 where the velocity is what it is.
+    """
+    bend = speed * sharpness * (2.0 - sharpness) + level * slip
+    wide = abs(driven) + speed + level * slip
+    return 2.0 * level * driven / (wide + np.sqrt(max(wide * wide - 4.0 * bend * abs(driven), 0.0)))
+
+
 @_inline
 def _start(state: np.ndarray, plants: np.ndarray) -> tuple[bool, bool]:
     """Fill in the plants; returns whether any lane needs another Stribeck exponent than two, and whether any creeps.
@@ -236,9 +252,7 @@ def _creep(state: np.ndarray, h: float) -> None:
             free = (state[_W, j] - state[_BEFORE, j]) / h
             ahead = h + state[_LEAD, j]
             driven, slip = state[_BEFORE, j] + ahead * free, ahead * mobility
-            bend = speed * state[_SHARPNESS, j] * (2.0 - state[_SHARPNESS, j]) + top * slip
-            wide = abs(driven) + speed + top * slip
-            friction = 2.0 * top * driven / (wide + np.sqrt(max(wide * wide - 4.0 * bend * abs(driven), 0.0)))
+            friction = compute_creep_friction(driven, top, speed, state[_SHARPNESS, j], slip)
             state[_W, j] -= h * friction * mobility
             state[_X, j] -= 0.5 * h * h * friction * mobility
             state[_CHANGE, j] = state[_W, j] - state[_BEFORE, j]

@@ -14,6 +14,7 @@ import numpy as np
 from fricomp.recording import Recording
 
 from ..inputs.track import FloatArray, differentiate
+from ..joint.kernel import compute_creep_friction
 from ..record.result import Quantity
 from .fine_ripple import FineRipple, measure_fall
 from .settings import LOOK, RIPPLE
@@ -43,25 +44,16 @@ def _compute_torque(recording: Recording, base: Mapping[str, Quantity]) -> Float
     a = differentiate(v, dt)
     curve = {side: _compute_curve(v, value, side) for side in ("forward", "reverse")}
     level, viscous = (np.where(v > 0.0, curve["forward"][k], curve["reverse"][k]) for k in (0, 1))
-    creeps = value.get("creep_velocity", 0.0) > 0.0
-    z = (
-        _compute_creep(v + value["creep_lead"] * a, value)
-        if creeps
-        else simulate_bristle(q, max(value["breakaway"], 1e-12))
-    )
+    if value.get("creep_velocity", 0.0) > 0.0:
+        felt = v + value["creep_lead"] * a
+        dry = np.vectorize(compute_creep_friction)(felt, level, value["creep_velocity"], value["sharpness"], 0.0)
+    else:
+        dry = level * simulate_bristle(q, max(value["breakaway"], 1e-12))
     body = value["inertia"] * a + value["offset"]
     if recording.metadata.motion == "rotary":
         body = body + value["gravity_cos"] * np.cos(q) + value["gravity_sin"] * np.sin(q)
-    torque: FloatArray = body + level * z + viscous * v
+    torque: FloatArray = body + dry + viscous * v
     return torque
-
-
-def _compute_creep(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
-    """Dry friction that never holds, as part of its level. Shape (n,)."""
-    speed, sharpness = value["creep_velocity"], value["sharpness"]
-    wide, bend = np.abs(velocity) + speed, speed * sharpness * (2.0 - sharpness)
-    result: FloatArray = 2.0 * velocity / (wide + np.sqrt(np.maximum(wide**2 - 4.0 * bend * np.abs(velocity), 0.0)))
-    return result
 
 
 def _compute_curve(velocity: FloatArray, value: Mapping[str, float], side: str) -> tuple[FloatArray, float]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.forward.dry_friction import FrictionCurve, build_dry_friction, compute_bristle_rate
+from fricomp.diagnosis.joint.kernel import compute_creep_friction
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.laws import LuGre, OperatingPoint, StribeckCurve
 from fricomp.laws.term import Scalar
@@ -51,6 +52,15 @@ def test_a_bristle_too_stiff_for_the_step_is_friction_loss() -> None:
     stiff = replace(_PLANT, sigma_0=1e9)
     assert compute_bristle_rate(stiff, stiff.inertia) * _STEP > 0.5
     assert build_dry_friction(stiff, stiff.inertia, _STEP, 0.0).follow(0.1, 1.7, 0.0) == (0.0, 1.7)
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.7, 1.0])
+def test_friction_that_creeps_is_that_of_the_kernel(sharpness: float) -> None:
+    plant = replace(_PLANT, creep_velocity=1e-3, creep_lead=5e-3, sharpness=sharpness)
+    dry, slip = build_dry_friction(plant, plant.inertia, _STEP, 0.0), (_STEP + plant.creep_lead) / plant.inertia
+    for w, net in ((0.0, 0.3), (2e-3, -0.4), (-5e-3, 0.1), (0.3, 4.0)):
+        known = compute_creep_friction(w + slip * net, 1.5, plant.creep_velocity, sharpness, slip)
+        assert dry.follow(w, 1.5, net)[0] == pytest.approx(known, rel=1e-12, abs=1e-12)
 
 
 def test_friction_that_creeps_never_takes_more_than_it_is_given() -> None:
