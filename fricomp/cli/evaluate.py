@@ -7,8 +7,6 @@ import typer
 
 app = typer.Typer(add_completion=False)
 
-_OF_LOGS = (".csv", ".parquet", ".mcap", ".txt")
-"""Suffixes of recordings that no model has."""
 _EXAMPLES = """fricomp evaluate runs/why elbow.csv --from 40
 
 fricomp evaluate friction.json elbow.csv --simulation robot.xml --joint elbow
@@ -51,8 +49,10 @@ def evaluate(
     from fricomp.cli.terminal import console, make_table
     from fricomp.errors import ParameterError
     from fricomp.evaluation import evaluate as evaluate_model
+    from fricomp.recording.sources.reader import SUFFIXES
 
-    if model.suffix.lower() in _OF_LOGS and recording.suffix.lower() not in _OF_LOGS:
+    of_logs = SUFFIXES.keys() - {".json"}  # which a model has as well
+    if model.suffix.lower() in of_logs and recording.suffix.lower() not in of_logs:
         raise ParameterError(f"the model comes first: 'fricomp evaluate {recording} {model}'")
     spans = (
         None if start is None and stop is None else [(-inf if start is None else start, inf if stop is None else stop)]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,8 +17,8 @@ from fricomp.cli.option.panel import Overwrite, option_under, output_option
 from fricomp.cli.output import say_interrupted
 
 if TYPE_CHECKING:
-    from fricomp.adapters import AdapterOptions, JointAdapter
-    from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopResult
+    from fricomp.adapters import JointAdapter
+    from fricomp.control import ControlLoop, LoopResult
     from fricomp.control.loop.loop_log import LoopLog
     from fricomp.live.feed import LiveFeed
     from fricomp.model import FrictionModel
@@ -30,8 +30,6 @@ app = typer.Typer(add_completion=False)
 
 drive_option = option_under("Drive")
 motion_option = option_under("Motion")
-
-_REST = 0.5  # before the motion, while the enable ramp opens [s]
 
 EPILOG = """fricomp run friction.json --out runs/run
 
@@ -77,6 +75,7 @@ def run(
     from fricomp.cli.option.motion_log import claim_log, log_runs
     from fricomp.cli.option.page import open_page, watching
     from fricomp.cli.output import answer
+    from fricomp.cli.sine_loop import LoopSetup, Sine
     from fricomp.cli.terminal import console
     from fricomp.control.compensation.trust import require_usable
     from fricomp.extras import REPORT, require
@@ -101,14 +100,14 @@ def run(
         claim_folder(out, RUN, overwrite=overwrite, inputs=models) as claim,
         watching(title, live=live, opened=open_report) as feed,
     ):
-        sine = _Sine(amplitude, frequency, cycles)
+        sine = Sine(amplitude, frequency, cycles)
         results: dict[str, LoopResult] = {}
         for name in ("without", "with"):
             with _kept(claim, name) as record, open_adapter(*chosen) as adapter:
-                setup = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
-                compensators = setup.compensators(gain) if name == "with" else None
-                loop = setup.loop(sine, compensators, priority)
-                record(loop.log, setup.metadata())
+                setup = LoopSetup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
+                compensators = setup.choose_compensators(gain) if name == "with" else None
+                loop = setup.build_loop(sine, compensators, priority)
+                record(loop.log, setup.read_metadata())
                 runs.append(loop.log)
                 results[name] = _follow(name, adapter, loop, sine.duration, feed)
         figures = _write_results(results, friction, out, 1.0 / rate)
@@ -116,19 +115,6 @@ def run(
     answer({"joints": [model.joint for model in friction], "out": out, **figures})
     console().print(f"Recordings, plots, figures and run.html in {out}")
     open_page(out / "run.html", wanted=open_report)
-
-
-class _Sine(NamedTuple):
-    """The motion: amplitude [rad] or [m], frequency [Hz], number of cycles."""
-
-    amplitude: float
-    frequency: float
-    cycles: float
-
-    @property
-    def duration(self) -> float:
-        """With the rest before it [s]."""
-        return self.cycles / self.frequency + _REST
 
 
 def _follow(name: str, adapter: JointAdapter, loop: ControlLoop, duration: float, feed: LiveFeed | None) -> LoopResult:
@@ -212,124 +198,12 @@ def _write_log(given: list[tuple[LoopLog, list[RecordingMetadata]]], claim: Clai
             )
 
 
-class _Setup:
-    """An open adapter with its loop."""
-
-    def __init__(
-        self,
-        adapter: JointAdapter,
-        models: list[FrictionModel],
-        inertia: list[float],
-        loop: tuple[float, float, float],
-        period: float,
-    ) -> None:
-        from fricomp.control import PositionController
-        from fricomp.errors import ParameterError
-
-        n = len(adapter.capabilities.joints)
-        if len(models) != n or len(inertia) not in (1, n):
-            raise ParameterError(
-                f"the bus has {n} joints: give a model for each (got {len(models)}), and one inertia for all "
-                f"or one for each (got {len(inertia)})"
-            )
-        adapter.options = _with_breakaway(adapter, models)
-        bandwidth, *self.lags = loop
-        self.adapter, self.models, self.period = adapter, models, period
-        self.controller = PositionController.from_bandwidth(inertia * (n // len(inertia)), bandwidth)
-
-    def compensators(self, gain: float | None) -> list[Compensator]:
-        """One a joint, chosen for its loop; each says what it does."""
-        from fricomp.cli.terminal import console
-        from fricomp.control import Compensator
-
-        given: dict[str, Any] = {} if gain is None else {"gain": gain}
-        quanta = [joint.velocity_quantum for joint in self.adapter.capabilities.joints]
-        made = [
-            Compensator(model, period=self.period, loop=self._dynamics(joint), velocity_quantum=quantum, **given)
-            for joint, (model, quantum) in enumerate(zip(self.models, quanta, strict=True))
-        ]
-        for one in made:
-            console().print(one.describe())
-        return made
-
-    def _dynamics(self, joint: int) -> LoopDynamics:
-        from fricomp.control import LoopDynamics
-
-        c = self.controller
-        return LoopDynamics(c.inertia[joint], c.stiffness[joint], c.damping[joint], *self.lags)
-
-    def loop(self, sine: _Sine, compensators: list[Compensator] | None, priority: int) -> ControlLoop:
-        """The sine, from where the joints are, towards the middle of their range.
-
-        Raises:
-            ParameterError: It would leave the range.
-        """
-        from fricomp.control import ControlLoop, RealTimeOptions, SineReference
-        from fricomp.joint import JointFeedback, await_feedback
-
-        capabilities = self.adapter.capabilities
-        feedback = JointFeedback(len(capabilities.joints))
-        self.adapter.configure("torque", self.period)
-        await_feedback(self.adapter, feedback, self.period)
-        amplitudes = [
-            _inwards(sine.amplitude, start, facts)
-            for facts, start in zip(self.metadata(), feedback.position, strict=True)
-        ]
-        return ControlLoop(
-            self.adapter,
-            SineReference(amplitudes, sine.frequency, list(feedback.position), rest=_REST),
-            self.controller,
-            compensators=compensators,
-            period=self.period,
-            log_capacity=round(sine.duration / self.period) + 1,
-            options=None if capabilities.simulated else RealTimeOptions(priority=priority, lock_memory=True),
-        )
-
-    def metadata(self) -> list[RecordingMetadata]:
-        """Of each joint's recording."""
-        from fricomp.adapters import recording_metadata
-
-        joints = range(len(self.adapter.capabilities.joints))
-        return [recording_metadata(self.adapter, joint, "fricomp run") for joint in joints]
-
-
-def _with_breakaway(adapter: JointAdapter, models: list[FrictionModel]) -> AdapterOptions:
-    """The adapter's options, where no breakaway limit is configured with that of the joint's model."""
-    from dataclasses import replace
-
-    from fricomp.control.compensation.authority import compute_breakaway
-
-    limits = []
-    for limit, model, joint in zip(adapter.options.limits, models, adapter.capabilities.joints, strict=True):
-        known = limit.breakaway is None and model.torque_unit == joint.torque_unit
-        limits.append(replace(limit, breakaway=compute_breakaway(model)) if known else limit)
-    return replace(adapter.options, limits=tuple(limits))
-
-
-def _inwards(amplitude: float, start: float, facts: RecordingMetadata) -> float:
-    """The amplitude with the sign that leads from `start` towards the middle of the joint's range.
-
-    Raises:
-        ParameterError: The motion, twice the amplitude, would leave the range.
-    """
-    from fricomp.errors import ParameterError
-
-    if facts.position_limits is None:
-        return amplitude
-    low, high = facts.position_limits
-    signed = -amplitude if start > (low + high) / 2.0 else amplitude
-    if not low < start + 2.0 * signed < high:
-        raise ParameterError(
-            f"joint {facts.joint!r} is at {start:.4g} and would be moved to {start + 2.0 * signed:.4g}, outside its "
-            f"limits {low:g} to {high:g}: lower --amplitude, or move the joint towards the middle"
-        )
-    return signed
-
-
 def _figures(result: LoopResult) -> dict[str, Any]:
     import numpy as np
 
-    moving = result.log.time > _REST
+    from fricomp.cli.sine_loop import REST
+
+    moving = result.log.time > REST
     error = (result.log.signal("position_reference") - result.log.signal("position"))[moving]
     return {
         "rms_error": np.sqrt(np.mean(error**2, axis=0)).tolist(),

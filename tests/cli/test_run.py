@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from fricomp.adapters import AdapterOptions
 from fricomp.cli.main import app
-from fricomp.cli.run import _with_breakaway
+from fricomp.cli.sine_loop import add_breakaway
 from fricomp.control import JointLimits, ReferenceState, SineReference
 from fricomp.errors import AdapterConfigurationError, AdapterError, ParameterError, SafetyTrip
 from fricomp.joint import CommandMode
@@ -98,7 +98,7 @@ def test_a_breakaway_limit_that_is_configured_stays() -> None:
     joints = [SimpleNamespace(torque_unit=unit) for unit in ("N·m", "N·m", "A")]
     adapter: Any = SimpleNamespace(options=AdapterOptions(limits=limits), capabilities=SimpleNamespace(joints=joints))
     friction = FrictionModel(FrictionLaw((Stribeck(StribeckCurve(0.4, 0.8, 0.05, 3.0)),)))
-    found = _with_breakaway(adapter, [friction] * 3).limits
+    found = add_breakaway(adapter, [friction] * 3).limits
     assert [limit.breakaway for limit in found] == [2.5, pytest.approx(1.2), None]
 
 

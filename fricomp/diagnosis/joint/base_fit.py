@@ -82,7 +82,7 @@ def _set_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
     return start
 
 
-def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box] | None:
+def fit_creep(problem: Problem, fit: Fit, box: Box) -> tuple[Fit, Box] | None:
     """Fit the base with friction that never holds; None where that leads nowhere. Returns its domain too.
 
     Friction of many simulators is no bristle: below a creep velocity it is viscous, and at rest it fades.
@@ -91,11 +91,10 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
         problem: Recordings and weights.
         fit: Fit of the base with these weights.
         box: Domain of the base parameters.
-        top_speed: Largest speed of the recorded motion [rad/s].
     """
-    straight = straighten_curves(fit.theta, top_speed)
+    straight = straighten_curves(fit.theta, _get_top_speed(box))
     about = [fit.theta] if straight is None else [fit.theta, box.clip(straight)]
-    proposed = [start for theta in about for start in propose_creep_starts(theta, box, top_speed)]
+    proposed = [start for theta in about for start in propose_creep_starts(theta, box)]
     starts, boxes = zip(*proposed, strict=True)
     problem = problem.cut_samples_for(unpack(starts[0]))  # no bristle asks for short steps
     evaluate = problem.build_residual(problem.add_nothing)
@@ -112,29 +111,27 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     return fit_base(problem, best.theta, free), free
 
 
-def fit_creeping(problem: Problem, theta: FloatArray, box: Box, top_speed: float) -> tuple[Fit, Box]:
+def fit_creeping(problem: Problem, theta: FloatArray, box: Box) -> tuple[Fit, Box]:
     """Fit the base from a joint whose friction creeps. Returns its domain too.
 
     Args:
         problem: Recordings and weights.
         theta: Base parameters of that joint. Shape (p,).
         box: Domain of the base parameters.
-        top_speed: Largest speed of the recorded motion [rad/s].
     """
-    free = _free_creep(box, theta, top_speed)
+    free = _free_creep(box, theta)
     return fit_base(problem.cut_samples_for(unpack(theta)), theta, free), free
 
 
-def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
+def propose_creep_starts(theta: FloatArray, box: Box) -> list[tuple[FloatArray, Box]]:
     """Propose base parameters with friction that creeps in place of a bristle, each with its domain.
 
     Args:
         theta: Base parameters. Shape (p,).
         box: Domain of the base parameters.
-        top_speed: Largest speed of the recorded motion [rad/s].
     """
     starts = [_set_creep(theta, rate) for rate in JOINT.creep_rates]
-    return [(start, _free_creep(box, start, top_speed)) for start in starts]
+    return [(start, _free_creep(box, start)) for start in starts]
 
 
 def _set_creep(theta: FloatArray, rate: float) -> FloatArray:
@@ -146,10 +143,10 @@ def _set_creep(theta: FloatArray, rate: float) -> FloatArray:
     return start
 
 
-def _free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
+def _free_creep(box: Box, start: FloatArray) -> Box:
     """`box` in which friction creeps, with scales for a fit from `start`."""
     lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
-    at = [_CREEP, _LEAD]
+    at, top_speed = [_CREEP, _LEAD], _get_top_speed(box)
     lower[at], upper[at] = (JOINT.slowest_creep * top_speed, 0.0), (JOINT.fastest_creep * top_speed, JOINT.longest_lead)
     creep, lead = max(float(start[_CREEP]), lower[_CREEP]), max(float(start[_LEAD]), 1.0 / max(JOINT.creep_rates))
     scale[at] = 0.1 * creep, 0.1 * lead

@@ -11,7 +11,7 @@ from ..joint.base_fit import propose_creep_starts
 from ..joint.race import Entry, Race
 from ..joint.solver import Box
 from .explanation import Explanation
-from .preparation import Baseline, find_top_speed, may_creep
+from .preparation import Baseline, may_creep
 from .refit import fit_from
 from .search import SearchResult
 from .settings import SEARCH
@@ -51,10 +51,10 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
 
 def _fit_creeping(baseline: Baseline, explanations: Sequence[Explanation], race: Race) -> list[Explanation]:
     """The same effects beside friction that creeps, from each of its starts, as long as they may win the race."""
-    top, wanted, boxes = find_top_speed(baseline.problem.tracks), list[tuple[Structure, FloatArray]](), list[Box]()
+    wanted, boxes = list[tuple[Structure, FloatArray]](), list[Box]()
     for one in explanations:
         structure = Structure(one.structure.contexts, one.settled)
-        for start, box in propose_creep_starts(one.fit.theta[:N_BASE], baseline.box, top):
+        for start, box in propose_creep_starts(one.fit.theta[:N_BASE], baseline.box):
             wanted.append((structure, start))
             boxes.append(box)
     return fit_from(baseline, wanted, boxes, entry=Entry(race, hurried=True))

@@ -137,7 +137,7 @@ def prepare(
     tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
     if creeps is not None:
-        return _settle(raw, *fit_creeping(problem, creeps, box, find_top_speed(tracks)), (nulls, seed), rigid)
+        return _settle(raw, *fit_creeping(problem, creeps, box), (nulls, seed), rigid)
     if holds:
         return _settle(raw, fit, box, (nulls, seed), rigid)
     loud = is_loud(fit)
@@ -161,7 +161,7 @@ def _fit_first(
     tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None, start: Plant | None
 ) -> tuple[Problem, Fit, Box]:
     """Fit the base without weights. The second start counts only where the first one leads far astray."""
-    top, tried = find_top_speed(tracks), []
+    top, tried = _find_top_speed(tracks), []
     delays = min(one.delays[0] for one in tracks), max(one.delays[1] for one in tracks)
     torques = max(float(np.std(one.torque)) for one in tracks), max(float(np.max(np.abs(one.torque))) for one in tracks)
     plants = estimate_plants(tracks, width=observer.width, known=rigid) if start is None else (start,)
@@ -186,7 +186,7 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
     one that sticks, so it is judged by nulls of its own.
     """
     shown = may_creep(raw.tracks)
-    tried = fit_creep(problem, fit, box, find_top_speed(raw.tracks)) if shown else None
+    tried = fit_creep(problem, fit, box) if shown else None
     if tried is None:
         return fit, box
     found, free = tried
@@ -209,7 +209,7 @@ def may_creep(tracks: Sequence[Track]) -> bool:
     return not goes_one_way([track.velocity for track in tracks])
 
 
-def find_top_speed(tracks: Sequence[Track]) -> float:
+def _find_top_speed(tracks: Sequence[Track]) -> float:
     """Find the speed that only 0.5 % of the samples exceed [rad/s]."""
     return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 

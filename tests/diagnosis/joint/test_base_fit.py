@@ -58,6 +58,6 @@ def test_a_fit_goes_on_from_friction_that_creeps_and_is_not_ahead(baseline: Base
     theta = baseline.fit.theta.copy()
     creep, lead = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
     theta[[creep, lead]] = 1e-3, 0.0
-    fit, box = fit_creeping(baseline.problem, theta, baseline.box, top_speed=1.0)
+    fit, box = fit_creeping(baseline.problem, theta, baseline.box)
     assert box.scale[lead] > 0.0
     assert np.all(np.isfinite(fit.jacobian))
