@@ -16,50 +16,21 @@ from fricomp.calibration import identify as identify_points
 from fricomp.calibration.identification import IdentificationResult, fit_discrepancy
 from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.calibration.identification.exponent import FIXED_LAW, FREE_LAW, asks_for_exponent, is_shown
-from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
-from fricomp.calibration.motion.cutoffs import choose_settings
-from fricomp.calibration.motion.identify import MotionIdentification
-from fricomp.calibration.motion.joint_samples import RegressionSettings, sample_joint, split_for
-from fricomp.calibration.motion.missed_torque import find_missed_gravity
-from fricomp.calibration.motion.parts import read_motion_recording
+from fricomp.calibration.identification.identify import refuse_dynamic, require_choice
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
-from fricomp.model import JointDynamics
 from fricomp.recording import Recording
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
 
 from .identification import Identification
-from .motion_doubt import (
-    doubt_for_all,
-    doubt_for_degrees,
-    doubt_for_step,
-    fit_gravity_where_it_shows,
-    tell_what_else_acts,
-)
-from .motion_law import USUAL_LAW, identify_with_law
+from .identify_settings import IdentifySettings
+from .motion_friction import identify_recording
+from .motion_law import USUAL_LAW
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 __all__ = ["IdentifySettings", "identify", "identify_source"]
-
-_AT_ZERO = 1e-4
-"""Part of the largest torque, at the fastest speed, below which a viscous coefficient has run to zero."""
-_MASS = {"N·m": "kg·m²", "N": "kg"}
-"""Unit of the inertia beside that of the torque."""
-
-
-@dataclass(frozen=True)
-class IdentifySettings:
-    """How friction is identified; see `identify` for what each means."""
-
-    method: Method = "pinn"
-    noise: str | ArrayLike = "auto"
-    loss: Loss = "gaussian"
-    law: str = ""
-    gravity: bool | None = None
-    seed: int = 0
-    depart: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,7 +128,7 @@ def identify_source(
     require_law(settings.law or USUAL_LAW)
     points = _points_of(source)
     if points is None:
-        return _identify_recording(source, settings, flag)  # type: ignore[arg-type]
+        return identify_recording(source, settings, flag)  # type: ignore[arg-type]
     if settings.gravity is not None:
         what = f"{points.name} is a table, which is friction alone"
         raise IdentificationError(f"{flag}gravity is for recordings; {what}: leave it out")
@@ -212,7 +183,7 @@ def _identify_table(points: _Points, settings: IdentifySettings, options: Identi
     notes += _offset_note(result)
     network = fit_discrepancy(result, seed=settings.seed) if settings.depart else None
     notes += [f"Law or network: {network.message}."] if network is not None else []
-    return Identification(result, None, network, tuple(notes), _facts(points.name, settings))
+    return Identification(result, None, network, tuple(notes), settings.to_facts(points.name))
 
 
 def _fit_points(
@@ -249,104 +220,3 @@ def _offset_note(result: IdentificationResult) -> list[str]:
         "A constant torque offset in the table counts as friction that differs between the directions; with the same "
         f"friction in both it would be {offset:.4g} {result.model.torque_unit}."
     ]
-
-
-def _identify_recording(
-    source: Recording | str | os.PathLike[str], settings: IdentifySettings, flag: str
-) -> Identification:
-    name = "the data" if isinstance(source, Recording) else Path(source).name
-    _refuse_point_settings(name, settings, flag)
-    recording, findings, about, data = read_motion_recording(source)
-    chosen, notes = choose_settings(recording, gravity=bool(settings.gravity)), []
-    if chosen.torque_cutoff < RegressionSettings.torque_cutoff:
-        notes.append(f"Low-pass: {chosen.torque_cutoff:.3g} Hz, so that noise of the position is no acceleration.")
-    of_gaps = split_for(recording, chosen).notes
-    notes += (*about, *of_gaps)
-    notes += (finding.caution for finding in findings if not (of_gaps and finding.code == "gap"))
-    meta = recording.metadata
-    options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
-    samples = sample_joint(recording, chosen)
-    one_way = any(finding.code in ("one_way", "one_way_turns") for finding in findings)
-    missed = find_missed_gravity(samples, chosen) if meta.motion == "rotary" and not one_way else None
-    if meta.motion == "rotary" and not one_way and settings.gravity is None:
-        chosen, of_gravity = fit_gravity_where_it_shows(samples, chosen, missed, meta.torque_unit, flag)
-        notes += of_gravity
-    motion, said = identify_with_law(samples, chosen, settings.law, options, one_way=one_way)
-    if not one_way:
-        motion = doubt_for_all(motion, samples, chosen, missed if settings.gravity is False else None, flag)
-        notes += tell_what_else_acts(motion, samples)
-        motion = doubt_for_step(doubt_for_degrees(motion, findings), findings)
-    notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
-    result = motion.friction if one_way else _with_rigid_body(motion)
-    return Identification(result, motion, None, tuple(notes), _facts(name, settings), data)
-
-
-def _with_rigid_body(motion: MotionIdentification) -> IdentificationResult:
-    """The friction with what moves beside it in its model, where the motion determines the inertia: that can be
-    evaluated by itself.
-    """
-    body, result = motion.rigid_body, motion.friction
-    if body.inertia < 2.0 * body.standard_deviations[0] or body.inertia <= 0.0:
-        return result
-    dynamics = JointDynamics(body.inertia, *body.gravity, offset=body.offset, torque_delay=motion.lag.value)
-    return replace(result, model=replace(result.model, dynamics=dynamics))
-
-
-def _bound_notes(result: IdentificationResult) -> list[str]:
-    """What to know of parameters that ended at their bound, which is zero: they were not measured."""
-    points = result.observations
-    least = _AT_ZERO * points.torque_scale / float(points.speed.max())
-    names = [name for name, value in result.parameters.items() if name.endswith("viscous_coefficient")]
-    at_bound = [name for name in names if result.parameters[name] < least]
-    if not at_bound:
-        return []
-    return [
-        f"Careful: {', '.join(at_bound)} is at the bound, zero, and no measured value: friction does not grow with "
-        "speed here, or the motion does not tell it from the rest."
-    ]
-
-
-def _facts(name: str, settings: IdentifySettings) -> dict[str, str]:
-    return {"file": name, "seed": str(settings.seed), "loss": settings.loss}
-
-
-def _refuse_point_settings(name: str, settings: IdentifySettings, flag: str) -> None:
-    """A recording is identified by filtered regression, which these settings do not reach."""
-    plain = IdentifySettings()
-    changed = [
-        f"{flag}{one}"
-        for one in ("method", "noise", "loss", "seed", "depart")
-        if not np.array_equal(getattr(settings, one), getattr(plain, one))
-    ]
-    changed += [f"{flag}law auto"] if settings.law == "auto" else []
-    if changed:
-        raise IdentificationError(
-            f"{', '.join(changed)} is for tables of velocity and torque; {name} is a recording, whose friction is "
-            "identified together with its rigid body by filtered regression: leave "
-            f"{'them' if len(changed) > 1 else 'it'} out"
-        )
-
-
-def _rigid_sentence(motion: MotionIdentification, flag: str) -> str:
-    body, model = motion.rigid_body, motion.friction.model
-    torque, angle = model.torque_unit, model.position_unit
-    of_inertia, *_, of_offset = body.standard_deviations
-    (cosine, sine), (of_cosine, of_sine) = body.gravity, body.gravity_deviations
-    gravity = f"({cosine:.4g} ± {of_cosine:.2g}) cos q + ({sine:.4g} ± {of_sine:.2g}) sin q {torque}"
-    absent = f"not fitted ({flag}gravity)"
-    offset = f", offset {body.offset:.4g} ± {of_offset:.2g} {torque}" if of_offset > 0.0 else ""
-    said = (
-        f"Rigid body, ± its standard deviations: inertia {body.inertia:.5g} ± {of_inertia:.2g} "
-        f"{_MASS.get(torque, f'{torque}·s²/{angle}')}{offset}, gravity "
-        f"{gravity if any(body.gravity) else absent}; symmetric friction beside it: Coulomb "
-        f"{body.coulomb_torque:.5g} {torque}, viscous {body.viscous_coefficient:.5g} {torque}·s/{angle}. "
-        f"{len(motion.points)} samples slide and count; standard deviations allow for their correlation. "
-        f"{motion.lag.sentence}"
-    )
-    if body.inertia < 2.0 * of_inertia:  # a 95 % interval that holds zero
-        said += " The motion does not determine the inertia: record one with quicker accelerations while it slides."
-    if motion.presliding > 0.0:
-        said += (
-            f" Friction builds up after rests and reversals: the first {motion.presliding:.2g} {angle} are left out."
-        )
-    return said

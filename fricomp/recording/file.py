@@ -21,7 +21,7 @@ from fricomp.recording.named.source import read_first_lines
 from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources.text import read_lines
-from fricomp.recording.sources.text_layout import is_comment
+from fricomp.recording.sources.text_line import is_comment
 
 _CSV = (".csv", ".txt")
 _RESTS = 0.01

@@ -15,7 +15,7 @@ from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.cell import DECIMAL_COMMA, number_or_nan, parse_number
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.printed.plain_table import as_table
-from fricomp.recording.sources.text_layout import is_comment, split_cells
+from fricomp.recording.sources.text_line import is_comment, split_cells
 from fricomp.untrusted import find_size_limit
 
 _MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}

@@ -4,7 +4,7 @@ import itertools
 import re
 from collections.abc import Sequence
 
-from fricomp.recording.sources.text_layout import is_comment
+from fricomp.recording.sources.text_line import is_comment
 
 _FACT = re.compile(r"^[#%] (name|type|rows|columns): (.*)$")
 _MATRICES = ("matrix", "bool matrix", "float matrix", "diagonal matrix")

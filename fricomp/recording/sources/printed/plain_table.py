@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 
 from fricomp.recording.sources.cell import is_number, parse_number, read_measured, read_measured_si
-from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout, is_comment, split_cells
+from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
+from fricomp.recording.sources.text_line import is_comment, split_cells
 from fricomp.recording.unit_word import find_unit_words
 
 from .dumped_rows import tabulate_dump
