@@ -136,7 +136,7 @@ def require_free_file(path: Path, *, overwrite: bool = False, inputs: Collection
 
 
 @contextmanager
-def claim_file(path: Path, *, overwrite: bool = False) -> Iterator[None]:
+def claim_file(path: Path, *, overwrite: bool) -> Iterator[None]:
     """Keep the folder of one file to this process while the file is made; it is made where it is not there.
 
     Raises:
@@ -154,9 +154,7 @@ def claim_file(path: Path, *, overwrite: bool = False) -> Iterator[None]:
 
 
 @contextmanager
-def claim_single_files(
-    paths: Collection[Path], *, overwrite: bool = False, inputs: Collection[Path] = ()
-) -> Iterator[None]:
+def claim_single_files(paths: Collection[Path], *, overwrite: bool, inputs: Collection[Path] = ()) -> Iterator[None]:
     """Keep single files to this process while they are made; their folders, made where they are not there, are shared.
 
     Raises:

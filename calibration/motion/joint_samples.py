@@ -127,7 +127,7 @@ class RecordedMotion:
         torques = [np.asarray(model.torque(velocity), dtype=np.float64) for velocity in self.parts]
         return self._filtered(torques)
 
-    def sliding_direction(self, slowest: float, travel: float = 0.0) -> FloatArray:
+    def sliding_direction(self, slowest: float, travel: float) -> FloatArray:
         """Low-passed sign of the velocity, zero where the joint does not slide. Shape (n,).
 
         Args:

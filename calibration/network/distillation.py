@@ -70,7 +70,7 @@ def collocation_grid(top: float, loads: tuple[float, float] | None, per_side: in
 
 
 def distil(
-    function: TorqueFunction, top: float, loads: tuple[float, float] | None = None, *, bend: float = 0.01, seed: int = 0
+    function: TorqueFunction, top: float, loads: tuple[float, float] | None = None, *, bend: float, seed: int = 0
 ) -> Distillation:
     """Train the paper's network to `function` over speeds up to `top` and the range of loads.
 

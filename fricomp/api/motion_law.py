@@ -38,7 +38,7 @@ def identify_with_law(
     law: str,
     options: IdentificationOptions,
     *,
-    one_way: bool = False,
+    one_way: bool,
 ) -> tuple[MotionIdentification, list[str]]:
     """The motion by the law that was asked for; by the usual one, or by a plainer one where that says as much.
 

@@ -53,7 +53,7 @@ def use_settings(context: typer.Context, file: Path | None) -> Path | None:
     return file
 
 
-def write_settings(context: typer.Context, file: Path, *, overwrite: bool = False) -> None:
+def write_settings(context: typer.Context, file: Path, *, overwrite: bool) -> None:
     """Write every option with what it means; those with their defaults are commented out.
 
     Args:

@@ -53,7 +53,7 @@ class ArmMotion:
 
 
 def read_arm_motion(
-    recordings: Sequence[Recording], *, band: float | None = None, torque_delay: float | Mapping[str, float] = 0.0
+    recordings: Sequence[Recording], *, band: float | None, torque_delay: float | Mapping[str, float]
 ) -> ArmMotion:
     """Bring the recordings of all joints onto the slowest one's grid, and into the narrowest band.
 

@@ -46,7 +46,7 @@ class TorqueLeft(NamedTuple):
 
 
 def measure_torque(
-    motion: RecordedMotion, recorded: Sequence[FloatArray], model: Sequence[FloatArray], spans: Spans | None = None
+    motion: RecordedMotion, recorded: Sequence[FloatArray], model: Sequence[FloatArray], spans: Spans | None
 ) -> TorqueError:
     """Compare torques along the motion, in its band, where the joint moves.
 
@@ -107,15 +107,13 @@ class Starts(NamedTuple):
     chosen: list[Index]
 
 
-def measure_positions(
-    motion: RecordedMotion, simulate: Simulate, spans: Spans | None = None
-) -> tuple[PositionError, ...]:
+def measure_positions(motion: RecordedMotion, simulate: Simulate, spans: Spans | None) -> tuple[PositionError, ...]:
     """Simulate from many measured states, and compare where the model comes to with where the joint came to."""
     return summarise_positions(motion, compare_positions(motion, simulate, spans))
 
 
 def compare_positions(
-    motion: RecordedMotion, simulate: Simulate, spans: Spans | None = None, count: int = EVALUATION.starts
+    motion: RecordedMotion, simulate: Simulate, spans: Spans | None, count: int = EVALUATION.starts
 ) -> Pairs:
     """Simulate from many measured states; see `measure_positions`."""
     starts = select_starts([one.time for one in motion.parts], [one.moves for one in motion.parts], spans, count)
@@ -141,8 +139,8 @@ def compare_joints(motions: Sequence[RecordedMotion], starts: Starts, simulate: 
 def select_starts(
     times: Sequence[FloatArray],
     moves: Sequence[Rows],
-    spans: Spans | None = None,
-    count: int = EVALUATION.starts,
+    spans: Spans | None,
+    count: int,
     longest: float = HORIZONS[-1],
 ) -> Starts:
     """Choose starts evenly over the samples in motion that leave room for the longest simulation of their part.

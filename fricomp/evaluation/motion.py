@@ -119,7 +119,7 @@ def read_motion(recording: Recording, *, band: float | None = None) -> RecordedM
     )
 
 
-def find_band(recording: Recording, noise_share: float = EVALUATION.noise_share) -> float:
+def find_band(recording: Recording, noise_share: float) -> float:
     """Find the upper end of the widest band in which little of the acceleration is noise of the encoder [Hz].
 
     The narrowest band that is tried, where the recording has no part long enough to tell.

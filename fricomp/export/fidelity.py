@@ -56,7 +56,7 @@ def sample_friction(model: FrictionModel) -> tuple[FloatArray, FloatArray]:
 
 
 def compute_fidelity(
-    model: FrictionModel, velocity: FloatArray, exported: FloatArray, lost: tuple[str, ...] = ()
+    model: FrictionModel, velocity: FloatArray, exported: FloatArray, lost: tuple[str, ...]
 ) -> Fidelity:
     """Error of `exported` torque against the model at `velocity`, each of shape (n,)."""
     friction = np.asarray(model.torque(velocity), dtype=np.float64)

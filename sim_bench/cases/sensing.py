@@ -61,7 +61,7 @@ class Sensed(NamedTuple):
     torque_error: NDArray[np.float64]
 
 
-def draw_sensors(rng: np.random.Generator, joint: Joint, noise_kind: str | None = None) -> Sensors:
+def draw_sensors(rng: np.random.Generator, joint: Joint, noise_kind: str | None) -> Sensors:
     """Ordinary sensors with the noise of the joint."""
     kind = noise_kind or str(rng.choice(NOISES))
     return Sensors(

@@ -159,7 +159,7 @@ def _see(observations: Observations, noise: Noise) -> tuple[Observations, Noise]
 
 
 @one_blas_thread()
-def train_pinn(law: SeparableLaw, observations: Observations, start: Optimum, *, seed: int = 0) -> TrainedPinn:
+def train_pinn(law: SeparableLaw, observations: Observations, start: Optimum, *, seed: int) -> TrainedPinn:
     """Train network and parameters together from `start`.
 
     Args:

@@ -38,9 +38,9 @@ _MOST_SHOWN = 4000
 def write_identification_report(
     result: IdentificationResult,
     folder: Path,
-    notes: Sequence[str] = (),
-    facts: dict[str, str] | None = None,
-    data: UsableParts | None = None,
+    notes: Sequence[str],
+    facts: dict[str, str] | None,
+    data: UsableParts | None,
 ) -> Path:
     """Write `report.html` and a PNG of each chart into `folder`.
 

@@ -81,7 +81,7 @@ def _watching(request: CalibrationRequest, shown: Shown) -> AbstractContextManag
     return watching(title, live=shown.live, opened=shown.opened)
 
 
-def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = (), shown: Shown = _UNSEEN) -> None:
+def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str], shown: Shown) -> None:
     """Go on with the run in a folder; one that is recorded to its end is identified again, and nothing moves.
 
     Args:

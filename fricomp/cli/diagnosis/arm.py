@@ -71,7 +71,7 @@ class ArmOptions:
             raise ParameterError(f"{name} {why}")
 
 
-def read_joint(path: Path, options: ArmOptions, joint: str | None = None, simulation: Path | None = None) -> Recording:
+def read_joint(path: Path, options: ArmOptions, joint: str | None, simulation: Path | None = None) -> Recording:
     """The recording of one joint, by the mapping, the columns and the names that were given.
 
     Args:

@@ -68,7 +68,7 @@ def write_arm_answer(case: ArmCase, folder: Path, salt: str | None = None) -> tu
     return path, hashlib.sha256(data).hexdigest()
 
 
-def describe_answer(case: ArmCase, salt: str | None = None) -> dict[str, Any]:
+def describe_answer(case: ArmCase, salt: str | None) -> dict[str, Any]:
     """What is true of an arm."""
     return {
         "schema": ARM_ANSWER_SCHEMA,

@@ -20,8 +20,6 @@ from fricomp.calibration.sweep import (
     calibrate,
 )
 
-from .bench import PROTOCOLS
-
 __all__ = [
     "AGREES",
     "WITHIN",
@@ -109,9 +107,7 @@ class CalibrationComparison:
         return all(abs(p.error) <= AGREES + p.quantisation for p in self.parameters)
 
 
-def compare_all(
-    noise: bool, protocols: Sequence[str] = tuple(PROTOCOLS), *, quick: bool = False
-) -> tuple[CalibrationComparison, ...]:
+def compare_all(noise: bool, protocols: Sequence[str], *, quick: bool) -> tuple[CalibrationComparison, ...]:
     """Calibrate the default joint alone and through each protocol.
 
     Args:

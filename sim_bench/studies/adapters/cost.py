@@ -53,7 +53,7 @@ class EchoLink:
         """Nothing is held."""
 
 
-def measure_cost(protocol: str, n_joints: int, cycles: int = 2000) -> CycleCost:
+def measure_cost(protocol: str, n_joints: int, cycles: int) -> CycleCost:
     """Time `cycles` of write and read of an enabled adapter, its states prepared beforehand."""
     bench = make_bench(protocol, n_joints)
     bench.start()

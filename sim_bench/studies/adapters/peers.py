@@ -48,7 +48,7 @@ Pair = tuple[str, bytes, bytes, str]
 """The command in words, our bytes, theirs, and the known reason of a difference, empty if there is none."""
 
 
-def compare_with_peer(protocol: str, n_commands: int = 10_000, seed: int = 1) -> PeerComparison:
+def compare_with_peer(protocol: str, n_commands: int, seed: int = 1) -> PeerComparison:
     """Encode random commands with the adapter's codec and with the peer's.
 
     Args:

@@ -56,7 +56,7 @@ class RoundTrip:
         return self.bytewise / self.chunked
 
 
-def compare_slcan(n_frames: int, echo: Echo, repeats: int = 200) -> RoundTrip:
+def compare_slcan(n_frames: int, echo: Echo, repeats: int) -> RoundTrip:
     """Send frames together and wait for all of them, `repeats` times on each bus, over the same pseudo-terminal."""
     with _terminal(echo) as (path, send_back):
         chunked = ChunkedSlcanBus(path)

@@ -111,7 +111,7 @@ class LyingSensor:
         return getattr(self._sensor, name)
 
 
-def soak_adapter(protocol: str, n_ticks: int, seed: int = 1) -> SoakResult:
+def soak_adapter(protocol: str, n_ticks: int, seed: int) -> SoakResult:
     """Run the loop of one joint, healthy for a while and with a fault for a while, by turns.
 
     Args:

@@ -32,7 +32,7 @@ def run_arms(
     out: Path,
     executor: tuple[Executor, int],
     *,
-    duration: float = 60.0,
+    duration: float,
     progress: Callable[[], None] = lambda: None,
     go_on: Callable[[], bool] = lambda: True,
 ) -> list[ArmScore]:

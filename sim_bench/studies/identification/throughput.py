@@ -76,7 +76,7 @@ def _stribeck(p: FloatArray) -> FloatArray:
     return np.asarray(p[0] * (1.0 - g) + p[1] * g + p[3] * _SPEEDS)
 
 
-def measure_throughput(joints: int, *, single: int = 100, seed: int = 0, device: str = "cpu") -> Throughput:
+def measure_throughput(joints: int, *, single: int, seed: int, device: str = "cpu") -> Throughput:
     """Identify the same fleet both ways.
 
     Args:

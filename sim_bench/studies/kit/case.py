@@ -17,7 +17,7 @@ def run_cases(
     executor: tuple[Executor, int],
     *,
     resume: bool = True,
-    progress: Callable[[], None] = lambda: None,
+    progress: Callable[[], None],
 ) -> list[Row]:
     """The rows of all cases, in their order. Each row is on disk as soon as its case is finished.
 

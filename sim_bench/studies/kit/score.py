@@ -67,9 +67,7 @@ class JudgedNames:
         return tuple(name for name in self.false_names if name in PARAMETERS)
 
 
-def judge_names(
-    sets: Mapping[str, frozenset[str]], right: Collection[str], tolerated: Collection[str] = ()
-) -> JudgedNames:
+def judge_names(sets: Mapping[str, frozenset[str]], right: Collection[str], tolerated: Collection[str]) -> JudgedNames:
     """Hold the names of an answer against the truth.
 
     Args:

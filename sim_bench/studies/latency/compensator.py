@@ -72,7 +72,7 @@ def full_compensator() -> Compensator:
     )
 
 
-def measure_costs(calls: int = 20_000) -> list[Cost]:
+def measure_costs(calls: int) -> list[Cost]:
     """Time compensator and gate, `calls` at a time, each beside the unit."""
     full, plain = full_compensator().torque, Compensator(bench_model(), source="reference").torque
     law = FrictionLaw((*DEFAULT_LAW.terms, LoadCoulomb(0.1), Cogging(0.05, 0.02, 11.0)))
@@ -155,7 +155,7 @@ def _seven_links() -> ArmLoad:
         return ArmLoad(path)
 
 
-def measure_network(folder: Path, calls: int = 2_000) -> list[Cost]:
+def measure_network(folder: Path, calls: int) -> list[Cost]:
     """Time seven different networks in one graph; needs onnx and onnxruntime.
 
     Args:
@@ -228,7 +228,7 @@ def measure_c() -> Cost | None:
     return Cost("generated C, every feature, in a C loop", float(np.median(took)), float(np.median(ratios)), 0.6)
 
 
-def measure_growth(ticks: int = 1_000_000) -> int:
+def measure_growth(ticks: int) -> int:
     """Memory blocks that `ticks` of compensation and gate leave behind; a constant few is none."""
     tick = _seven_with_gate()
     for _ in range(1000):

@@ -36,9 +36,7 @@ def _simulate(
     return rows
 
 
-def joint_log(
-    seconds: float = 30.0, rate: float = 500.0, seed: int = 0, swings: _Swings = _SWINGS, **metadata: object
-) -> Recording:
+def joint_log(seconds: float, rate: float, seed: int = 0, swings: _Swings = _SWINGS, **metadata: object) -> Recording:
     """A recording of the joint with an 18-bit encoder and a little noise in its torque."""
     t, q, v, torque = _simulate(seconds, rate, seed, swings).T
     rng = np.random.default_rng(seed + 1)

@@ -78,7 +78,7 @@ class GapScore(msgspec.Struct, frozen=True):
         return (self.before**2 - self.after**2) / (self.before**2 - self.reachable**2)
 
 
-def plan_gaps(number: int, seeds: Iterator[int], duration: float | None = None) -> list[PlannedCase]:
+def plan_gaps(number: int, seeds: Iterator[int], duration: float | None) -> list[PlannedCase]:
     """The first single effects of a plan that are a torque on the joint, of a strength that can be seen.
 
     Args:

@@ -56,7 +56,7 @@ class SpeedFigures:
     profile: tuple[tuple[str, float], ...]
 
 
-def measure_speed(folder: Path, *, quick: bool, progress: Callable[[str], None] = lambda _: None) -> SpeedFigures:
+def measure_speed(folder: Path, *, quick: bool, progress: Callable[[str], None]) -> SpeedFigures:
     """Time everything.
 
     Args:
