@@ -103,14 +103,14 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
         )
     if not 0.0 < significance < 1.0:
         raise ParameterError(f"significance must lie between 0 and 1, got {significance}")
-    old, new, load, known = _at_one_load(old, new)
-    difference = _difference(old, new)
+    old, new, load, known = _evaluate_at_one_load(old, new)
+    difference = _compute_difference(old, new)
     before, after, units = old.law.parameters(), new.law.parameters(), new.units()
     changes = [
         ParameterChange(name, units[name], before[name], after[name], float(sd), float(p))
         for name, sd, p in zip(difference.names, difference.deviation, difference.each(), strict=True)
     ]
-    velocity, change = _largest_torque_change(old, new)
+    velocity, change = _find_largest_torque_change(old, new)
     terms_before, terms_after = ({term.name for term in model.law.terms} for model in (old, new))
     return ModelComparison(
         changes=tuple(sorted(changes, key=lambda c: (c.p_value, -abs(c.difference) / c.standard_deviation))),
@@ -134,7 +134,7 @@ class _AtOneLoad(NamedTuple):
     known: tuple[bool, bool]
 
 
-def _at_one_load(old: FrictionModel, new: FrictionModel) -> _AtOneLoad:
+def _evaluate_at_one_load(old: FrictionModel, new: FrictionModel) -> _AtOneLoad:
     before, after = own_load(old), own_load(new)
     load = after if before is None else before
     if before is not None:
@@ -167,7 +167,7 @@ class _Difference(NamedTuple):
     def each(self) -> FloatArray:
         """p of each parameter, by Student's t, corrected for their number. Shape (n,)."""
         shares = [np.diag(covariance) / self.deviation**2 for covariance in self.covariances]
-        return correct_for_number(2.0 * stats.t.sf(np.abs(self.value) / self.deviation, self._freedom(*shares)))
+        return correct_for_number(2.0 * stats.t.sf(np.abs(self.value) / self.deviation, self._compute_freedom(*shares)))
 
     def together(self) -> float:
         """p of all parameters, by Fisher's F; 1 where there is none."""
@@ -179,17 +179,17 @@ class _Difference(NamedTuple):
         inverse = np.linalg.pinv(sum(correlations), rcond=1e-10)
         z = self.value / self.deviation
         shares = [np.trace(correlation @ inverse) / rank for correlation in correlations]
-        return float(stats.f.sf(float(z @ inverse @ z) / rank, rank, self._freedom(*shares)))
+        return float(stats.f.sf(float(z @ inverse @ z) / rank, rank, self._compute_freedom(*shares)))
 
-    def _freedom(self, old: Scalar, new: Scalar) -> Scalar:
+    def _compute_freedom(self, old: Scalar, new: Scalar) -> Scalar:
         """Degrees of freedom of the sum of both, by their shares in it [satterthwaite1946]."""
         return 1.0 / (old**2 / self.freedoms[0] + new**2 / self.freedoms[1])
 
 
-def _difference(old: FrictionModel, new: FrictionModel) -> _Difference:
+def _compute_difference(old: FrictionModel, new: FrictionModel) -> _Difference:
     """The parameters with a variance in both models."""
     if old.covariance is None or new.covariance is None:
-        raise ParameterError(_no_covariance(*(("old", old) if old.covariance is None else ("new", new))))
+        raise ParameterError(_describe_missing_covariance(*(("old", old) if old.covariance is None else ("new", new))))
     both = (old.covariance, new.covariance)
     names = [name for name in old.covariance.names if name in new.covariance.names]
     if not names:
@@ -227,7 +227,7 @@ def _shift_by_offset(names: Sequence[str]) -> FloatArray:
     return side * [name.endswith(("coulomb_torque", "static_torque")) for name in names]
 
 
-def _no_covariance(which: str, model: FrictionModel) -> str:
+def _describe_missing_covariance(which: str, model: FrictionModel) -> str:
     """What to do about a model without a covariance, by where it comes from."""
     if model.provenance.method == "diagnosis":
         return (
@@ -249,7 +249,7 @@ def correct_for_number(p_values: FloatArray) -> FloatArray:
     return result
 
 
-def _largest_torque_change(old: FrictionModel, new: FrictionModel) -> tuple[float, float]:
+def _find_largest_torque_change(old: FrictionModel, new: FrictionModel) -> tuple[float, float]:
     """The velocity at which the curves differ most, and by how much, over the range that both cover."""
     ranges = [model.validity.velocity or (-1.0, 1.0) for model in (old, new)]
     low, high = max(r[0] for r in ranges), min(r[1] for r in ranges)

@@ -23,7 +23,7 @@ def own_load(model: FrictionModel) -> float | None:
     limits = model.validity.normal_load
     if limits is None:
         return None
-    for _, load in _loaded_terms(model):
+    for _, load in _list_loaded_terms(model):
         if limits[0] <= load.reference_load <= limits[1]:
             return load.reference_load
     return 0.5 * (limits[0] + limits[1])
@@ -42,7 +42,7 @@ def at_normal_load(model: FrictionModel, load: float) -> FrictionModel:
     values, names = model.law.parameters(), model.covariance.names if model.covariance else ()
     changed: dict[str, float] = {}
     jacobian = np.eye(len(names))
-    for term, scaling in _loaded_terms(model):
+    for term, scaling in _list_loaded_terms(model):
         ratio = load / scaling.reference_load
         factor = 1.0 + scaling.load_sensitivity * (ratio - 1.0)
         if factor <= 0.0:
@@ -60,7 +60,7 @@ def at_normal_load(model: FrictionModel, load: float) -> FrictionModel:
     return replace(model, law=model.law.replace(changed), covariance=_propagate(model.covariance, jacobian))
 
 
-def _loaded_terms(model: FrictionModel) -> list[tuple[Term, LoadScaling]]:
+def _list_loaded_terms(model: FrictionModel) -> list[tuple[Term, LoadScaling]]:
     loads = [(term, getattr(term, "load", None)) for term in model.law.terms]
     return [(term, load) for term, load in loads if isinstance(load, LoadScaling)]
 

@@ -47,7 +47,7 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
     """
     if Path(path).suffix.lower() not in (".csv", ".txt"):
         return False
-    columns = _read_header(Path(path)) or _rows(path)[0]
+    columns = _read_header(Path(path)) or _read_rows(path)[0]
     if "time" in columns:
         return False
     if set(_REQUIRED) <= set(columns) and "position" not in columns and not find_stamps(columns):
@@ -76,7 +76,7 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
     fast = _read_fast(Path(path))
     if fast is not None:
         return fast
-    header, *rows = _rows(path)
+    header, *rows = _read_rows(path)
     if not set(_REQUIRED) <= set(header):
         return _read_named(Path(path))
     twice = [name for name in (*_REQUIRED, "normal_load") if header.count(name) > 1]
@@ -84,7 +84,7 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
         raise RecordingError(f"{path} has the column {twice[0]} twice: remove or rename one")
     if not rows:
         raise RecordingError(f"{path} has a header and no rows")
-    values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
+    values = {name: _read_column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
     return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
 
 
@@ -95,14 +95,14 @@ def _read_named(path: Path) -> FrictionTable:
     torque = own.get("torque", own.get("current"))
     if "velocity" not in own or torque is None:
         raise RecordingError(f"{path} needs the columns velocity and torque; it has {', '.join(columns)}")
-    velocity, values = (_in_si(path, columns, one) for one in (own["velocity"], torque))
+    velocity, values = (_convert_to_si(path, columns, one) for one in (own["velocity"], torque))
     load = columns.get("normal_load")
     use = np.isfinite(velocity) & np.isfinite(values) & (True if load is None else np.isfinite(load))
     unit = find_unit(torque[1].unit).si if torque[1].unit else "A" if "torque" not in own else "N·m"
     return FrictionTable(velocity[use], values[use], None if load is None else load[use], unit)
 
 
-def _in_si(path: Path, columns: Mapping[str, FloatArray], one: tuple[str, ColumnMeaning]) -> FloatArray:
+def _convert_to_si(path: Path, columns: Mapping[str, FloatArray], one: tuple[str, ColumnMeaning]) -> FloatArray:
     name, meaning = one
     if meaning.unit in (RAW_UNIT, UNKNOWN_UNIT):
         raise RecordingError(f"{path}: {name!r} is in units of a device, or in one that is not known: write it in SI")
@@ -154,7 +154,7 @@ def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
     )
 
 
-def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
+def _read_rows(path: str | os.PathLike[str]) -> list[list[str]]:
     try:
         rows = [cells for _, cells in cut_rows(Path(path), read_lines(Path(path)), ",", 1)]
     except OSError as error:
@@ -164,7 +164,7 @@ def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
     return rows
 
 
-def _column(path: str | os.PathLike[str], rows: list[list[str]], header: list[str], name: str) -> FloatArray:
+def _read_column(path: str | os.PathLike[str], rows: list[list[str]], header: list[str], name: str) -> FloatArray:
     at, values = header.index(name), np.empty(len(rows))
     for k, row in enumerate(rows):
         try:

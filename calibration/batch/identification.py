@@ -135,12 +135,12 @@ def identify_batch(
     if noise not in choices:
         raise IdentificationError(f"unknown noise {noise!r}; use {', '.join(choices)}")
     joints = observe_all(velocity, torque)
-    parts = [_identify(stack_points(chunk, device), choices[noise]) for chunk in _chunks(joints, device)]
+    parts = [_identify(stack_points(chunk, device), choices[noise]) for chunk in _split_into_chunks(joints, device)]
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     return BatchIdentification(_FORM.names, tuple(joints), *columns)
 
 
-def _chunks(joints: Sequence[Observations], device: str) -> list[Sequence[Observations]]:
+def _split_into_chunks(joints: Sequence[Observations], device: str) -> list[Sequence[Observations]]:
     """Joints in batches that fit into the caches of a processor, or into the memory of a graphics card."""
     longest = max(points.size for points in joints)
     size = max(1, _CHUNK * (1 if device == "cpu" else 40) // (48 * longest))
@@ -198,7 +198,7 @@ def _describe(fit: _Fit, points: PointBatch, noise: BatchNoise) -> list[np.ndarr
     level = ((error**2).sum(dim=(1, 2)) / freedom).sqrt()
     inverse = _invert(compute_information(curve, level, points, noise))
     covariance = inverse * values[:, :, None] * values[:, None, :]
-    distance = _distance(linearise(compute_bounded_curve(fit.logs, points), points, noise), freedom)
+    distance = _measure_distance(linearise(compute_bounded_curve(fit.logs, points), points, noise), freedom)
     columns = (values, covariance, level, fit.likelihood, distance, fit.rival)
     v, c, s, nll, d, rival = (x.cpu().numpy() for x in columns)
     return [v, c, np.full(len(v), noise), s, nll, d, rival]
@@ -218,7 +218,7 @@ def _invert(information: torch.Tensor) -> torch.Tensor:
     return 0.5 * (inverse + inverse.transpose(1, 2))
 
 
-def _distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
+def _measure_distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
     """Length of a further Gauss-Newton step in standard deviations (Mahalanobis).
 
     A parameter that has shrunk to nothing, such as viscous friction that would be negative, is at its bound: its

@@ -75,7 +75,7 @@ def linearise(curve: Curve, points: PointBatch, noise: BatchNoise) -> Linearised
     """Cost, normal matrix and gradient at a curve."""
     error = (points.magnitude - curve.magnitude) * points.given
     if noise == "absolute":
-        return Linearised((error**2).sum(dim=(1, 2)), _blocks(curve.slopes), -_project(curve.slopes, error))
+        return Linearised((error**2).sum(dim=(1, 2)), _multiply_blocks(curve.slopes), -_project(curve.slopes, error))
     count = points.count[:, None]
     mean_log = (curve.magnitude.log() * points.given).sum(dim=(1, 2)) / count[:, 0]
     weight = mean_log.exp()[:, None, None] / curve.magnitude * points.given
@@ -86,7 +86,12 @@ def linearise(curve: Curve, points: PointBatch, noise: BatchNoise) -> Linearised
     own = relative * (weight * points.magnitude)[:, :, None]  # the residual's derivative is residual * mean - own
     along = _project(own, residual)
     outer = mean[:, :, None] * along[:, None, :]
-    normal = cost[:, None, None] * mean[:, :, None] * mean[:, None, :] - outer - outer.transpose(1, 2) + _blocks(own)
+    normal = (
+        cost[:, None, None] * mean[:, :, None] * mean[:, None, :]
+        - outer
+        - outer.transpose(1, 2)
+        + _multiply_blocks(own)
+    )
     return Linearised(cost, normal, cost[:, None] * mean - along)
 
 
@@ -95,7 +100,7 @@ def _project(columns: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
     return (columns @ values[:, :, :, None])[..., 0].flatten(1)
 
 
-def _blocks(columns: torch.Tensor) -> torch.Tensor:
+def _multiply_blocks(columns: torch.Tensor) -> torch.Tensor:
     """Products of columns with each other, block-diagonal over the directions. Shape (n_joints, 8, 8)."""
     import torch
 
@@ -125,8 +130,8 @@ def compute_information(curve: Curve, level: torch.Tensor, points: PointBatch, n
     """
     square = (level**2).clamp(min=1e-300)[:, None, None]
     if noise == "absolute":
-        return _blocks(curve.slopes) / square
+        return _multiply_blocks(curve.slopes) / square
     relative = curve.slopes / curve.magnitude[:, :, None]
-    products, total = _blocks(relative), relative.sum(dim=3).flatten(1)
+    products, total = _multiply_blocks(relative), relative.sum(dim=3).flatten(1)
     centred = products - total[:, :, None] * total[:, None, :] / points.count[:, None, None]
     return products / square + 2.0 * centred

@@ -131,13 +131,13 @@ def _project(
     gram = torch.stack([torch.stack(row, dim=2) for row in rows], dim=2)
     target = torch.stack([sum_y - gy, gy, sy.expand_as(gy)], dim=2)
     scale = torch.sqrt(torch.diagonal(gram, dim1=2, dim2=3).clamp(min=0.0)).clamp(min=1e-12)
-    linear, gain = _best_positive(gram / (scale[..., :, None] * scale[..., None, :]), target / scale)
+    linear, gain = _solve_nonnegative(gram / (scale[..., :, None] * scale[..., None, :]), target / scale)
     floor = (_SMALLEST * torch.sqrt(yy) + 1e-12)[:, :, None]
     coulomb, static, viscous = (torch.maximum(linear, floor) / scale).unbind(dim=2)
     return torch.log(torch.stack([coulomb, static, shape, viscous], dim=2)), yy - gain
 
 
-def _best_positive(gram: torch.Tensor, target: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+def _solve_nonnegative(gram: torch.Tensor, target: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     """Non-negative least squares with three columns, by trying every set of columns."""
     import torch
 

@@ -73,7 +73,7 @@ def _descend(logs: torch.Tensor, points: PointBatch, noise: BatchNoise) -> torch
     return found
 
 
-def _diagonal(normal: torch.Tensor) -> torch.Tensor:
+def _get_diagonal(normal: torch.Tensor) -> torch.Tensor:
     return normal.diagonal(dim1=1, dim2=2).clamp(min=1e-300).sqrt()
 
 
@@ -81,7 +81,7 @@ def _begin(logs: torch.Tensor, points: PointBatch, noise: BatchNoise) -> _State:
     import torch
 
     at = linearise(compute_bounded_curve(logs, points), points, noise)
-    return _State(logs, at, torch.full_like(at.cost, _FIRST_DAMPING), _diagonal(at.normal))
+    return _State(logs, at, torch.full_like(at.cost, _FIRST_DAMPING), _get_diagonal(at.normal))
 
 
 def _step(state: _State, points: PointBatch, noise: BatchNoise) -> tuple[_State, torch.Tensor]:
@@ -104,5 +104,5 @@ def _step(state: _State, points: PointBatch, noise: BatchNoise) -> tuple[_State,
         torch.where(vector, there.gradient, before.gradient),
     )
     damping = torch.where(better, state.damping * 0.1, state.damping * 5.0).clamp(min=1e-14)
-    scale = torch.where(vector, torch.maximum(state.scale, _diagonal(there.normal)), state.scale)
+    scale = torch.where(vector, torch.maximum(state.scale, _get_diagonal(there.normal)), state.scale)
     return _State(torch.where(vector, logs, state.logs), after, damping, scale), still | (damping > _LARGEST_DAMPING)

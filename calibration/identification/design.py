@@ -81,16 +81,16 @@ def plan_informative_speeds(
         )
     grid = np.geomspace(low, speed_limit, _CANDIDATES)
     velocity = np.concatenate([-grid[::-1], grid])
-    regressors = _regressors(model, velocity, noise)
-    share = _merge(velocity, _optimise(regressors))
-    plateaus = _apportion(share, n)
+    regressors = _compute_regressors(model, velocity, noise)
+    share = _merge(velocity, _minimise_deviation(regressors))
+    plateaus = _share_out(share, n)
     used = plateaus > 0
     uniform = np.linspace(speed_limit / (n // 2), speed_limit, n // 2)
     return SpeedPlan(
         velocity[used],
         share[used] / share[used].sum(),
         plateaus[used],
-        _mean_deviation(regressors[used], plateaus[used].astype(np.float64)),
+        _compute_mean_deviation(regressors[used], plateaus[used].astype(np.float64)),
         expected_deviation(model, np.concatenate([-uniform, uniform]), noise),
     )
 
@@ -104,10 +104,10 @@ def expected_deviation(model: FrictionModel, velocity: FloatArray, noise: NoiseR
         noise: Whether the noise is relative to the torque or absolute.
     """
     moving = velocity[velocity != 0.0]
-    return _mean_deviation(_regressors(model, moving, noise), np.ones(len(moving)))
+    return _compute_mean_deviation(_compute_regressors(model, moving, noise), np.ones(len(moving)))
 
 
-def _regressors(model: FrictionModel, velocity: FloatArray, noise: NoiseReading) -> FloatArray:
+def _compute_regressors(model: FrictionModel, velocity: FloatArray, noise: NoiseReading) -> FloatArray:
     """Derivative of a reading, in units of its noise, by the logarithms. Shape (n_speeds, n_parameters)."""
     form, values = separable_law("stribeck"), model.law.parameters()
     logs = np.log(np.maximum([values[name] for name in form.names], 1e-12))
@@ -115,23 +115,23 @@ def _regressors(model: FrictionModel, velocity: FloatArray, noise: NoiseReading)
     return jacobian / magnitude[:, None] if noise == "relative" else jacobian
 
 
-def _covariance(regressors: FloatArray, effort: FloatArray) -> FloatArray:
-    return invert_information(_information(regressors, effort))
+def _compute_covariance(regressors: FloatArray, effort: FloatArray) -> FloatArray:
+    return invert_information(_compute_information(regressors, effort))
 
 
-def _information(regressors: FloatArray, effort: FloatArray) -> FloatArray:
+def _compute_information(regressors: FloatArray, effort: FloatArray) -> FloatArray:
     return np.asarray((regressors * effort[:, None]).T @ regressors)
 
 
-def _mean_deviation(regressors: FloatArray, effort: FloatArray) -> float:
-    return float(np.mean(compute_log_deviations(_information(regressors, effort))))
+def _compute_mean_deviation(regressors: FloatArray, effort: FloatArray) -> float:
+    return float(np.mean(compute_log_deviations(_compute_information(regressors, effort))))
 
 
-def _optimise(regressors: FloatArray) -> FloatArray:
+def _minimise_deviation(regressors: FloatArray) -> FloatArray:
     """Shares of time that minimise the mean relative standard deviation. Shape (n_speeds,)."""
     share = np.full(len(regressors), 1.0 / len(regressors))
     for _ in range(_ITERATIONS):
-        covariance = _covariance(regressors, share)
+        covariance = _compute_covariance(regressors, share)
         # Minus the derivative of sum_i sqrt(C_ii) by the share of a speed.
         gain = 0.5 * (regressors @ covariance) ** 2 @ (1.0 / np.sqrt(np.diag(covariance)))
         updated = share * np.sqrt(gain)
@@ -156,7 +156,7 @@ def _merge(velocity: FloatArray, share: FloatArray) -> FloatArray:
     return np.asarray(merged / merged.sum())
 
 
-def _apportion(share: FloatArray, n: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+def _share_out(share: FloatArray, n: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
     """Whole plateaus that add up to n, by largest remainder; no chosen speed goes without."""
     wanted = share * n
     counts = np.where(share > 0.0, np.maximum(np.floor(wanted), 1.0), 0.0)

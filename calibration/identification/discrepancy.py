@@ -85,16 +85,16 @@ def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> Discrepan
     """
     result = _gather(result)
     points = result.observations
-    predictions = [_held_out(result, outside) for outside in _folds(points, seed)]
+    predictions = [_fit_held_out(result, outside) for outside in _draw_folds(points, seed)]
     rows = np.concatenate([fold.rows for fold in predictions])
-    variance = _deviation(result)[rows] ** 2
+    variance = _compute_deviation(result)[rows] ** 2
     scores = {w: np.concatenate([fold.squared_error[w] for fold in predictions]) / variance for w in WEIGHTS}
     chosen = _choose(scores)
     network = result.network
     for weight in WEIGHTS[1 : WEIGHTS.index(chosen) + 1]:
         network = train_towards(network, result, result.optimum, points, weight)
     held_out = {weight: float(np.sqrt(np.mean(values))) for weight, values in scores.items()}
-    return DiscrepancyNetwork(network, chosen, held_out, _message(chosen, held_out))
+    return DiscrepancyNetwork(network, chosen, held_out, _describe_choice(chosen, held_out))
 
 
 def _gather(result: IdentificationResult) -> IdentificationResult:
@@ -125,7 +125,7 @@ class _HeldOut(NamedTuple):
     squared_error: dict[float, FloatArray]
 
 
-def _folds(points: Observations, seed: int) -> list[np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+def _draw_folds(points: Observations, seed: int) -> list[np.ndarray[tuple[int], np.dtype[np.bool_]]]:
     """Masks of points to leave out: random quarters, and each load between others, which asks more of a network.
 
     Visits to one speed under one load stay together: beside another visit a point would not be held out.
@@ -147,10 +147,10 @@ def _folds(points: Observations, seed: int) -> list[np.ndarray[tuple[int], np.dt
     return masks
 
 
-def _held_out(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> _HeldOut:
+def _fit_held_out(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> _HeldOut:
     rows = np.flatnonzero(left_out)
     inside, outside = result.observations.select(np.flatnonzero(~left_out)), result.observations.select(rows)
-    closed = fit_likelihood(result.form, inside, _noise(result, ~left_out))
+    closed = fit_likelihood(result.form, inside, _make_noise(result, ~left_out))
     law = result.form.law(dict(zip(result.parameter_names, np.exp(closed.logs).tolist(), strict=True)))
     fold = replace(result, model=replace(result.model, law=law), observations=inside, rows=inside, optimum=closed)
     predicted, _ = result.form.evaluate(closed.logs, outside)
@@ -162,12 +162,12 @@ def _held_out(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.
     return _HeldOut(rows, squared)
 
 
-def _noise(result: IdentificationResult, rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Noise:
+def _make_noise(result: IdentificationResult, rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Noise:
     noise = result.optimum.noise
     return noise if noise.deviation is None else Noise(noise.kind, noise.deviation[rows])
 
 
-def _deviation(result: IdentificationResult) -> FloatArray:
+def _compute_deviation(result: IdentificationResult) -> FloatArray:
     """Standard deviation of each point [N·m] or [N]. Shape (n_points,)."""
     spread = np.sqrt(result.optimum.noise.variance(result.optimum.whitened.residual, len(result.parameter_names)))
     return np.asarray(spread / result.optimum.whitened.weight)
@@ -184,7 +184,7 @@ def _choose(scores: dict[float, FloatArray]) -> float:
     return best
 
 
-def _message(chosen: float, held_out: dict[float, float]) -> str:
+def _describe_choice(chosen: float, held_out: dict[float, float]) -> str:
     closed, driven = held_out[np.inf], held_out[DATA_DRIVEN]
     if chosen == np.inf:
         return (
@@ -209,8 +209,8 @@ def train_towards(
         points: The data.
         weight: Weight of a closed-form point against a data point.
     """
-    anchor = _anchor(result, closed)
-    typical = float(np.median(_deviation(result)))
+    anchor = _make_anchor(result, closed)
+    typical = float(np.median(_compute_deviation(result)))
     velocity = np.concatenate([points.velocity, anchor.velocity])
     load = None
     if points.normal_load is not None and anchor.normal_load is not None:
@@ -222,7 +222,7 @@ def train_towards(
     return train_network(network, inputs, target, importance, TrainingLimits(_ITERATIONS, gain=1e-4, damping=1.0))
 
 
-def _anchor(result: IdentificationResult, closed: Optimum) -> _Anchor:
+def _make_anchor(result: IdentificationResult, closed: Optimum) -> _Anchor:
     points = result.observations
     side = np.geomspace(points.speed.min(), _WIDER * points.speed.max(), _PER_SIDE)
     velocity = np.concatenate([-side[::-1], side])

@@ -88,10 +88,10 @@ def identify_dynamic(
     dt = _check(t, v, tau, law)
     names = _LUGRE if law == "lugre" else _DAHL
     if law == "lugre":
-        start = _lugre_start(v, tau, dt)
+        start = _start_lugre(v, tau, dt)
     else:
         level = float(np.median(np.abs(tau[v != 0.0])))
-        start = _stiffness_scan(lambda s: np.log([level, s]), v, tau, dt)
+        start = _scan_stiffness(lambda s: np.log([level, s]), v, tau, dt)
 
     def residual(logs: FloatArray) -> FloatArray:
         return tau - simulate_bristle(np.exp(logs)[None], v, dt)[:, 0]
@@ -102,7 +102,7 @@ def identify_dynamic(
         return np.asarray(-(torques[:, 1:] - torques[:, :1]) / _STEP)
 
     fit = least_squares(residual, start, derivative, method="lm", x_scale="jac", xtol=1e-10, ftol=1e-12, max_nfev=200)
-    found = _result(np.asarray(fit.x), np.asarray(fit.fun), np.asarray(fit.jac), names, (v, tau), fit.status > 0)
+    found = _make_result(np.asarray(fit.x), np.asarray(fit.fun), np.asarray(fit.jac), names, (v, tau), fit.status > 0)
     named = replace(found.model, joint=options.joint, motion=options.motion, torque_unit=options.torque_unit)
     return replace(found, model=named)
 
@@ -119,12 +119,12 @@ def simulate_bristle(values: FloatArray, velocity: FloatArray, dt: float) -> Flo
         Torque [N·m] or [N]. Shape (n_samples, n_sets).
     """
     over_step = 0.5 * (velocity + np.concatenate([velocity[:1], velocity[:-1]]))
-    mean = _bristle(values, over_step)
+    mean = _build_bristle(values, over_step)
     target, keep = mean.steady * np.sign(over_step)[:, None], np.exp(-np.abs(over_step)[:, None] * dt / mean.steady)
     deflection = np.zeros_like(target)
     for k in range(1, len(velocity)):
         deflection[k] = target[k] + (deflection[k - 1] - target[k]) * keep[k]
-    at, v = _bristle(values, velocity), velocity[:, None]
+    at, v = _build_bristle(values, velocity), velocity[:, None]
     rate = v - np.abs(v) * deflection / at.steady
     return np.asarray(at.stiffness * deflection + at.damping * rate + at.viscous * v)
 
@@ -138,7 +138,7 @@ class _Bristle(NamedTuple):
     damping: FloatArray
 
 
-def _bristle(values: FloatArray, velocity: FloatArray) -> _Bristle:
+def _build_bristle(values: FloatArray, velocity: FloatArray) -> _Bristle:
     if values.shape[1] == len(_DAHL):
         nothing, stiffness = np.zeros(len(values)), values[:, 1]
         steady = np.broadcast_to(values[:, 0] / stiffness, (len(velocity), len(values)))
@@ -167,16 +167,16 @@ def _check(t: FloatArray, v: FloatArray, tau: FloatArray, law: str) -> float:
     return dt
 
 
-def _lugre_start(v: FloatArray, tau: FloatArray, dt: float) -> FloatArray:
+def _start_lugre(v: FloatArray, tau: FloatArray, dt: float) -> FloatArray:
     """Static curve from the samples that slide steadily, then a scan of the stiffness."""
     top = float(np.max(np.abs(v)))
     sliding = (np.abs(v) > 0.02 * top) & (np.sign(v) == np.sign(tau))
     points = observe(v[sliding], tau[sliding])
     static = fit_likelihood(separable_law("stribeck"), points, Noise("absolute")).logs
-    return _stiffness_scan(lambda s: np.append(static, np.log([s, s * dt])), v, tau, dt)
+    return _scan_stiffness(lambda s: np.append(static, np.log([s, s * dt])), v, tau, dt)
 
 
-def _stiffness_scan(build: Callable[[float], FloatArray], v: FloatArray, tau: FloatArray, dt: float) -> FloatArray:
+def _scan_stiffness(build: Callable[[float], FloatArray], v: FloatArray, tau: FloatArray, dt: float) -> FloatArray:
     """The start whose stiffness suits best: bristles that slip after a millionth to the whole of the travel."""
     travel = max(float(np.ptp(np.cumsum(v) * dt)), 1e-12)
     stiffness = float(np.max(np.abs(tau))) / (travel * np.geomspace(1e-6, 1.0, 25))
@@ -185,7 +185,7 @@ def _stiffness_scan(build: Callable[[float], FloatArray], v: FloatArray, tau: Fl
     return starts[int(np.argmin(np.sum(errors**2, axis=0)))]
 
 
-def _result(
+def _make_result(
     logs: FloatArray,
     residual: FloatArray,
     jacobian: FloatArray,
@@ -208,7 +208,7 @@ def _result(
     elif vague:
         status, message = Status.NOT_IDENTIFIABLE, f"the data do not determine {', '.join(vague)}"
     model = FrictionModel(
-        law=_law(values),
+        law=_build_law(values),
         validity=Validity(velocity=(float(v.min()), float(v.max()))),
         covariance=Covariance(names, 0.5 * (covariance + covariance.T), max(len(residual) - len(names), 1))
         if known
@@ -226,7 +226,7 @@ def _result(
     return DynamicIdentification(model, status, message, names, parameters, covariance, residual, float(nll))
 
 
-def _law(values: FloatArray) -> FrictionLaw:
+def _build_law(values: FloatArray) -> FrictionLaw:
     if len(values) == len(_DAHL):
         return FrictionLaw((Dahl(*values.tolist()),))
     v = values.tolist()

@@ -47,7 +47,7 @@ def save_identification(result: IdentificationResult, folder: str | os.PathLike[
         "largest_deviation_from_model": f"{result.distillation.largest_error:.3g} of the largest torque",
         "trained_on": "the closed form, by collocation",
     }
-    save_network(result.network, files[1], _metadata(result, result.network, digest) | about)
+    save_network(result.network, files[1], _collect_metadata(result, result.network, digest) | about)
     return ModelFiles(*files, digest)
 
 
@@ -71,11 +71,11 @@ def save_discrepancy(
         "held_out_error": f"{found.held_out[found.weight]:.3g} noise deviations",
         "held_out_error_of_model": f"{found.held_out[np.inf]:.3g} noise deviations",
     }
-    save_network(found.network, path, _metadata(result, found.network, model_sha256) | about)
+    save_network(found.network, path, _collect_metadata(result, found.network, model_sha256) | about)
     return path
 
 
-def _metadata(result: IdentificationResult, network: TanhNetwork, digest: str) -> dict[str, str]:
+def _collect_metadata(result: IdentificationResult, network: TanhNetwork, digest: str) -> dict[str, str]:
     model, validity = result.model, result.model.validity
     return {
         "input": f"velocity [{model.position_unit}/s], normal_load (load at {network.load_offset:g} "

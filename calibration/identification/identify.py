@@ -81,13 +81,13 @@ def identify(
     covariance = covariance_of(found)
     verdict = judge(found, reference, covariance, form, rows, independent=options.independent)
     estimate = NoiseEstimate(
-        kind, _noise_level(kind, found, rows), {k: fit.negative_log_likelihood for k, fit in fits.items()}
+        kind, _describe_noise_level(kind, found, rows), {k: fit.negative_log_likelihood for k, fit in fits.items()}
     )
     largest = float(np.max(found.magnitude))
     provenance = compute_provenance(points, estimate, verdict, largest, method=method, seed=seed)
     freedom = max((options.measurements or points.size) - len(form.names), 1)
     result = IdentificationResult(
-        model=_model(form, found, Covariance(form.names, covariance, freedom), points, options, provenance),
+        model=_build_model(form, found, Covariance(form.names, covariance, freedom), points, options, provenance),
         status=verdict.status,
         message=verdict.message,
         method=method,
@@ -162,11 +162,11 @@ def _fit_forms(
         return form, fits
     free = separable_law(law, LoadScaling(1.0, reference), free_sensitivity=True)
     free_fits = fit(free)
-    gain = _least(fits) - _least(free_fits)
+    gain = _get_least(fits) - _get_least(free_fits)
     return (free, free_fits) if 2.0 * gain > _SENSITIVITY_EVIDENCE else (form, fits)
 
 
-def _least(fits: Mapping[str, Optimum]) -> float:
+def _get_least(fits: Mapping[str, Optimum]) -> float:
     return min(fit.negative_log_likelihood for fit in fits.values())
 
 
@@ -178,7 +178,7 @@ def _train(
     Where none does, training starts at the optimum of least squares; the traces say so.
     """
     best = optimum_at(reference.logs, form, points, reference.noise)  # a robust fit's likelihood is another
-    for kind, logs in _starts(form, points, reference.noise, options.start):
+    for kind, logs in _propose_starts(form, points, reference.noise, options.start):
         start = optimum_at(np.minimum(logs, form.upper_logs(points)), form, points, reference.noise)
         trained = train_pinn(form, points, start, seed=seed)
         behind = trained.optimum.negative_log_likelihood - best.negative_log_likelihood
@@ -188,7 +188,7 @@ def _train(
     return trained._replace(traces=replace(trained.traces, start="least_squares"))
 
 
-def _starts(
+def _propose_starts(
     form: SeparableLaw, points: Observations, noise: Noise, given: Mapping[str, float] | None
 ) -> Iterator[tuple[StartKind, FloatArray]]:
     if given is not None:
@@ -199,7 +199,7 @@ def _starts(
         yield "projection", logs
 
 
-def _noise_level(kind: str, found: Optimum, points: Observations) -> float:
+def _describe_noise_level(kind: str, found: Optimum, points: Observations) -> float:
     error = points.root_count * (points.magnitude - found.magnitude)
     if kind == "relative":
         error = error / found.magnitude
@@ -210,7 +210,7 @@ def _noise_level(kind: str, found: Optimum, points: Observations) -> float:
     return float(np.sqrt(np.sum(error**2) / max(points.total - len(found.logs), 1)))
 
 
-def _model(
+def _build_model(
     form: SeparableLaw,
     found: Optimum,
     covariance: Covariance,

@@ -34,7 +34,7 @@ def compute_provenance(
     """
     return Provenance(
         method=method,
-        data_sha256=_hash(points),
+        data_sha256=_hash_points(points),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         fricomp_version=__version__,
         seed=seed,
@@ -43,11 +43,11 @@ def compute_provenance(
         message=verdict.message,
         # The lower of both, so that neither an outlier nor a curve that misses its points counts.
         largest_torque=min(points.torque_scale, largest_fitted),
-        slowest_speeds=_slowest(points),
+        slowest_speeds=_find_slowest(points),
     )
 
 
-def _hash(points: Observations) -> str:
+def _hash_points(points: Observations) -> str:
     digest = hashlib.sha256()
     for array in (points.velocity, points.magnitude, points.normal_load):
         if array is not None:
@@ -55,7 +55,7 @@ def _hash(points: Observations) -> str:
     return digest.hexdigest()
 
 
-def _slowest(points: Observations) -> tuple[float, float]:
+def _find_slowest(points: Observations) -> tuple[float, float]:
     """Slowest speeds in reverse and forward; a direction without points has the other's, whose curve it shares."""
     reverse, forward = points.speed[~points.forward], points.speed[points.forward]
     return (

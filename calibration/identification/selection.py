@@ -61,7 +61,7 @@ def choose_law(
     scores: dict[str, FloatArray] = {}
     for name in laws or separable_law_names():
         try:
-            scores[name] = _held_out(name, points, fold)
+            scores[name] = _score_held_out(name, points, fold)
         except IdentificationError:
             continue
     if not scores:
@@ -71,10 +71,10 @@ def choose_law(
     error = {name: float(np.std(score - scores[best]) / np.sqrt(points.size)) for name, score in scores.items()}
     fair = [name for name in scores if mean[name] <= mean[best] + error[name]]
     chosen = min(fair, key=lambda name: (len(separable_law(name).names), mean[name]))
-    return LawChoice(chosen, _reason(chosen, best, mean, error), mean, error)
+    return LawChoice(chosen, _describe_reason(chosen, best, mean, error), mean, error)
 
 
-def _held_out(name: str, points: Observations, fold: np.ndarray[tuple[int], np.dtype[np.intp]]) -> FloatArray:
+def _score_held_out(name: str, points: Observations, fold: np.ndarray[tuple[int], np.dtype[np.intp]]) -> FloatArray:
     """Negative log-likelihood of each point under the fit without its fold. Shape (n_points,)."""
     form = separable_law(name)
     score = np.empty(points.size)
@@ -95,7 +95,7 @@ def _held_out(name: str, points: Observations, fold: np.ndarray[tuple[int], np.d
     return score
 
 
-def _reason(chosen: str, best: str, mean: dict[str, float], error: dict[str, float]) -> str:
+def _describe_reason(chosen: str, best: str, mean: dict[str, float], error: dict[str, float]) -> str:
     others = {name: value for name, value in mean.items() if name not in (chosen, best)}
     if chosen != best:
         return (

@@ -78,7 +78,7 @@ def _share_long(recording: Recording, settings: RegressionSettings) -> float:
     return sum(one for one in durations if one >= _PERIODS / settings.torque_cutoff) / max(every, 1e-300)
 
 
-def _durations(recording: Recording, settings: RegressionSettings) -> list[float]:
+def _measure_durations(recording: Recording, settings: RegressionSettings) -> list[float]:
     """Of the parts between gaps [s]."""
     return [part.duration for part in split_for(recording, settings).parts] or [0.0]
 
@@ -94,7 +94,7 @@ def _lower_until_it_slides(recording: Recording, settings: RegressionSettings) -
     factor = settings.torque_cutoff / _DEFAULTS.torque_cutoff
     for step in range(1, _LOWEST_STEPS):
         lower = _lower(factor * 2.0 ** (-0.5 * step), settings.gravity)
-        if max(_durations(recording, lower)) < _PERIODS / lower.torque_cutoff:
+        if max(_measure_durations(recording, lower)) < _PERIODS / lower.torque_cutoff:
             break
         if _count_sliding(recording, lower) >= FEWEST_SLIDING:
             return lower

@@ -102,10 +102,12 @@ def identify_motion(
     """
     chosen = replace(options or IdentificationOptions(), independent=False)
     bends = bool(separable_law(law).basis.shape_index)
-    fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest, bends=bends), law, chosen)
+    fit = _fit_aligned(samples, settings, _select_sliding(samples, settings.slowest, bends=bends), law, chosen)
     presliding = _SETTLED * _find_presliding(settings, fit)
     if presliding > 0.0:
-        fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest, presliding, bends=bends), law, chosen)
+        fit = _fit_aligned(
+            samples, settings, _select_sliding(samples, settings.slowest, presliding, bends=bends), law, chosen
+        )
     friction = fit.friction()
     velocity = samples.velocity[fit.rows]
     result = identify(velocity, friction, noise="absolute", law=law, options=chosen)
@@ -166,7 +168,7 @@ class _SlidingFit:
         return fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach, noise)
 
 
-def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0, *, bends: bool) -> Rows:
+def _select_sliding(samples: JointSamples, slowest: float, travel: float = 0.0, *, bends: bool) -> Rows:
     """Which samples slide; refuses a motion with too few. Shape (n,)."""
     rows = samples.sliding(slowest, travel, bends=bends)
     count = int(np.count_nonzero(rows))

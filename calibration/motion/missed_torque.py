@@ -53,19 +53,19 @@ def find_missed_gravity(samples: JointSamples, settings: RegressionSettings) -> 
     if fits is None:
         return None
     without, heavy = fits
-    if _shows_inertia(without) and not _shows_inertia(heavy):
+    if _does_show_inertia(without) and not _does_show_inertia(heavy):
         return None  # of a single swing the angle goes with the acceleration: gravity stands in for the inertia
-    most = _SHOWS if _takes_offset(without, heavy) else _HEAVY
+    most = _SHOWS if _does_take_offset(without, heavy) else _HEAVY
     return _judge(without, heavy, float(np.hypot(*heavy.gravity)), max(heavy.gravity_deviations), most)
 
 
-def _takes_offset(without: RigidBodyFit, heavy: RigidBodyFit) -> bool:
+def _does_take_offset(without: RigidBodyFit, heavy: RigidBodyFit) -> bool:
     """Whether a constant torque that matters is next to nothing once gravity is fitted."""
     matters = abs(without.offset) > _MATTERS * without.coulomb_torque
     return matters and abs(heavy.offset) < _TAKES * abs(without.offset)
 
 
-def _shows_inertia(body: RigidBodyFit) -> bool:
+def _does_show_inertia(body: RigidBodyFit) -> bool:
     return body.inertia > _SURE * body.standard_deviations[0]
 
 
@@ -80,7 +80,7 @@ def find_missed_spring(samples: JointSamples, settings: RegressionSettings) -> M
     if fits is None:
         return None
     without, sprung = fits
-    if _shows_inertia(without) and not _shows_inertia(sprung):
+    if _does_show_inertia(without) and not _does_show_inertia(sprung):
         return None
     return _judge(without, sprung, *sprung.stiffness)
 

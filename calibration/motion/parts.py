@@ -78,7 +78,7 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
         RecordingError: The file cannot be read, or a check finds an error in what is used of it.
         MissingExtraError: The file is Parquet and pyarrow is not installed.
     """
-    content, file = _content_of(source)
+    content, file = _read_content(source)
     chosen, notes = _choose_blocks(content.recording, file)
     usable = find_usable_parts(chosen)
     chosen = usable.kept
@@ -88,10 +88,10 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
     idle = [one for one in findings if one.code in SHOWS_NO_SLIDING]
     if idle:
         raise RecordingError(f"{file}: {idle[0]}")
-    chosen, late = _without_delay(chosen, findings)
+    chosen, late = _remove_delay(chosen, findings)
     on_joint = chosen.on_joint_side()
     return MotionRecording(
-        on_joint, findings, (*notes, *usable.sentences, *late, *_side_notes(chosen, on_joint)), usable
+        on_joint, findings, (*notes, *usable.sentences, *late, *_describe_side(chosen, on_joint)), usable
     )
 
 
@@ -111,7 +111,7 @@ def _refuse_shattered(file: Path | str, usable: UsableParts) -> None:
     )
 
 
-def _without_delay(recording: Recording, findings: tuple[Finding, ...]) -> tuple[Recording, tuple[str, ...]]:
+def _remove_delay(recording: Recording, findings: tuple[Finding, ...]) -> tuple[Recording, tuple[str, ...]]:
     """The recording with a torque that acts at its stamp, where the checks found one that acts later."""
     late = any(one.code == "late_torque" for one in findings)
     delay = find_delay(recording) if late else None
@@ -122,7 +122,7 @@ def _without_delay(recording: Recording, findings: tuple[Finding, ...]) -> tuple
     return recording.with_channels(torque=moved), (note,)
 
 
-def _content_of(source: Recording | str | os.PathLike[str]) -> tuple[FileContent, Path | str]:
+def _read_content(source: Recording | str | os.PathLike[str]) -> tuple[FileContent, Path | str]:
     """A recording with what was wrong with its file, and its file; of one that has none, what to call it."""
     if isinstance(source, Recording):
         return FileContent(source, ()), f"recording of joint {source.metadata.joint!r}"
@@ -155,7 +155,7 @@ def _choose_blocks(recording: Recording, path: Path | str) -> tuple[Recording, t
     blocks = read_blocks(path) if has_blocks else ()
     if not blocks:
         return recording, ()
-    kinds = [_kind_of(block.label) for block in blocks]
+    kinds = [_read_kind(block.label) for block in blocks]
     motions = [block for block, kind in zip(blocks, kinds, strict=True) if kind == _MOTION]
     others = ", ".join(dict.fromkeys(kind for kind in kinds if kind and kind != _MOTION))
     if not motions:
@@ -168,7 +168,7 @@ def _choose_blocks(recording: Recording, path: Path | str) -> tuple[Recording, t
     return recording.rows(rows), (note,)
 
 
-def _kind_of(label: str) -> str:
+def _read_kind(label: str) -> str:
     """What a block is, from the label that a sweep gives it; empty for labels of others."""
     try:
         return parse_json(label, _Label).kind
@@ -176,7 +176,7 @@ def _kind_of(label: str) -> str:
         return ""
 
 
-def _side_notes(read: Recording, on_joint: Recording) -> tuple[str, ...]:
+def _describe_side(read: Recording, on_joint: Recording) -> tuple[str, ...]:
     """A sentence where the torque was recorded on the motor side."""
     meta = read.metadata
     if meta.torque_side == "joint":

@@ -124,7 +124,7 @@ def estimate_lag(
     """
     before = float(np.hypot(UNKNOWN_LAG, _UNKNOWN_PERIODS * recorded.period))
     shift = solve_correlated(columns, targets[0], np.flatnonzero(rows), 1).solution
-    inner = _inside_strokes(rows, recorded.count_samples(_EDGE))
+    inner = _select_inside_strokes(rows, recorded.count_samples(_EDGE))
     at, chosen = np.flatnonzero(inner), inner[rows]
     unknown = TorqueLag(0.0, before, taken_off, shift, before)
     if len(at) <= columns.shape[1]:
@@ -159,7 +159,7 @@ def _smooth_within(rows: _Rows, values: FloatArray, width: float) -> FloatArray:
     return np.asarray((gaussian_filter1d(spread, width) / np.maximum(weight, 1e-300))[rows])
 
 
-def _inside_strokes(rows: _Rows, edge: int) -> _Rows:
+def _select_inside_strokes(rows: _Rows, edge: int) -> _Rows:
     """Samples that slide, without so many at the ends of each stroke, fewer where little would be left."""
     for margin in (edge, (edge + _LEAST_EDGE) // 2):
         inner = binary_erosion(rows, iterations=max(margin, _LEAST_EDGE))

@@ -86,22 +86,22 @@ def distil(
     """
     best: Distillation | None = None
     for attempt in range(_ATTEMPTS):
-        result = _attempt(function, top, loads, bend, np.random.default_rng([seed, attempt]))
-        if best is None or _badness(result, loads) < _badness(best, loads):
+        result = _try_once(function, top, loads, bend, np.random.default_rng([seed, attempt]))
+        if best is None or _measure_badness(result, loads) < _measure_badness(best, loads):
             best = result
-        if _badness(best, loads) <= 1.0:
+        if _measure_badness(best, loads) <= 1.0:
             break
     assert best is not None
     return best
 
 
-def _badness(result: Distillation, loads: tuple[float, float] | None) -> float:
+def _measure_badness(result: Distillation, loads: tuple[float, float] | None) -> float:
     """Above 1 where another attempt is worth its time."""
     allowed = _ALLOWED_ERROR if loads is None else _ALLOWED_ERROR_OVER_LOADS
     return max(result.largest_error / allowed, result.rounding / _ALLOWED_ROUNDING)
 
 
-def _attempt(
+def _try_once(
     function: TorqueFunction, top: float, loads: tuple[float, float] | None, bend: float, rng: np.random.Generator
 ) -> Distillation:
     grid = collocation_grid(top, loads, 160 if loads is None else 50)

@@ -100,25 +100,25 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     """
     points = analysis.steady
     if len(points) < FEWEST_POINTS:
-        raise IdentificationError(_too_few(analysis))
+        raise IdentificationError(_describe_too_few(analysis))
     both_alike = analysis.torque_source == HALF_DIFFERENCE
     law = "symmetric_stribeck" if both_alike else "stribeck"
     first = identify(
         [p.velocity for p in points],
         [p.torque for p in points],
-        _loads(points),
+        _list_loads(points),
         "least_squares",
         settings.noise,
         law=law,
     )
-    static = _static_points(analysis, points, _bend(first))
+    static = _make_static_points(analysis, points, _find_bend(first))
     used = (*points, *static)
-    deviation = np.concatenate([_scatter(points, first, both_alike), [point.deviation for point in static]])
+    deviation = np.concatenate([_estimate_scatter(points, first, both_alike), [point.deviation for point in static]])
     metadata = analysis.metadata
     result = identify(
         [point.velocity for point in used],
         [point.torque for point in used],
-        _loads(used),
+        _list_loads(used),
         method=settings.method,
         noise=deviation,
         seed=settings.seed,
@@ -132,17 +132,17 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
             measurements=len(used) // 2 if both_alike else None,
         ),
     )
-    changes = [_sensitivity(result, shift) for shift in _shared_shifts(result, analysis, used)]
+    changes = [_compute_sensitivity(result, shift) for shift in _compute_shared_shifts(result, analysis, used)]
     result = with_covariance(result, result.covariance + sum(np.outer(change, change) for change in changes))
     return Estimate(_with_notes(result, analysis), deviation, used)
 
 
-def _shared_shifts(
+def _compute_shared_shifts(
     result: IdentificationResult, analysis: SweepAnalysis, used: Sequence[FrictionPoint]
 ) -> list[FloatArray]:
     """Errors of the points' friction magnitude that no number of plateaus averages out. Shapes (n_points,)."""
     swing = hidden_swing(result, analysis.steady, analysis.metadata.encoder_resolution or 0.0, analysis.sample_rate)
-    shifts = [_ripple_shift(result, swing)]
+    shifts = [_compute_ripple_shift(result, swing)]
     sign = result.observations.sign
     if analysis.torque_source != HALF_DIFFERENCE:
         shifts.append(analysis.offset.deviation * sign)
@@ -152,7 +152,7 @@ def _shared_shifts(
     return shifts
 
 
-def _too_few(analysis: SweepAnalysis) -> str:
+def _describe_too_few(analysis: SweepAnalysis) -> str:
     """Why there are too few plateaus, and what brings more of them."""
     steady, rejected = len(analysis.steady), Counter(point.verdict for point in analysis.rejected)
     said = f"{steady} of {len(analysis.points)} plateaus can be used, at least {FEWEST_POINTS} are needed"
@@ -163,7 +163,7 @@ def _too_few(analysis: SweepAnalysis) -> str:
     return f"{said} ({reasons}). {cures[0].upper()}{cures[1:]}"
 
 
-def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult, both_alike: bool) -> FloatArray:
+def _estimate_scatter(points: Sequence[FrictionPoint], first: IdentificationResult, both_alike: bool) -> FloatArray:
     """Standard deviation of each point [N·m] or [N] from the scatter about a first fit. Shape (n_points,).
 
     A plateau that lasts longer scatters less, with the root of its duration. Where both directions are alike, the two
@@ -180,7 +180,9 @@ def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult, both_
     return np.asarray(np.maximum(level, LEAST_LEVEL * float(np.max(first.at_points.magnitude))) * shape)
 
 
-def _static_points(analysis: SweepAnalysis, points: Sequence[FrictionPoint], bend: float) -> tuple[FrictionPoint, ...]:
+def _make_static_points(
+    analysis: SweepAnalysis, points: Sequence[FrictionPoint], bend: float
+) -> tuple[FrictionPoint, ...]:
     """One point a direction from the breakaway torques, where the slowest plateau is not slow enough to show it."""
     slowest = min(abs(p.velocity) for p in points)
     if slowest < REACHES_STATIC * bend or analysis.torque_source == HALF_DIFFERENCE:
@@ -196,12 +198,12 @@ def _static_points(analysis: SweepAnalysis, points: Sequence[FrictionPoint], ben
     return tuple(found)
 
 
-def _bend(first: IdentificationResult) -> float:
+def _find_bend(first: IdentificationResult) -> float:
     """The lowest Stribeck velocity [rad/s] or [m/s]."""
     return min(value for name, value in first.parameters.items() if name.endswith("stribeck_velocity"))
 
 
-def _loads(points: Sequence[FrictionPoint]) -> ArrayLike | None:
+def _list_loads(points: Sequence[FrictionPoint]) -> ArrayLike | None:
     loads = [point.normal_load for point in points if point.normal_load is not None]
     return loads if len(loads) == len(points) else None
 
@@ -235,7 +237,7 @@ def hidden_swing(
     return min(usual, RIPPLE_MARGIN * float(np.median([point.ripple for point in points])) / steepest)
 
 
-def _ripple_shift(result: IdentificationResult, swing: float) -> FloatArray:
+def _compute_ripple_shift(result: IdentificationResult, swing: float) -> FloatArray:
     """Shift of the mean friction magnitude by a speed that swings by `swing` [rad/s] or [m/s]. Shape (n,)."""
     speed = result.observations.speed
     points = result.observations
@@ -247,7 +249,7 @@ def _ripple_shift(result: IdentificationResult, swing: float) -> FloatArray:
     return np.asarray(0.5 * (level(-swing) + level(swing)) - level(0.0))
 
 
-def _sensitivity(result: IdentificationResult, shift: FloatArray) -> FloatArray:
+def _compute_sensitivity(result: IdentificationResult, shift: FloatArray) -> FloatArray:
     """Change of each parameter by a `shift` of the points' friction magnitude. Shape (n_parameters,)."""
     optimum = result.at_points
     weighted = optimum.whitened.weight[:, None] * optimum.jacobian

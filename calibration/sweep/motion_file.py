@@ -72,7 +72,7 @@ def read_motion(path: str | os.PathLike[str]) -> MotionFile:
         table: Any = np.genfromtxt(Path(path), delimiter=",", names=True, dtype=np.float64, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ParameterError(f"cannot read the motion {name}: {error}") from error
-    columns = {column: _column(table, column) for column in ("time", "velocity", "position")}
+    columns = {column: _read_column(table, column) for column in ("time", "velocity", "position")}
     time, velocity, position = columns.values()
     if time is None or velocity is None or table.size < SHORTEST:
         missing = [column for column in ("time", "velocity") if columns[column] is None]
@@ -89,7 +89,7 @@ def read_motion(path: str | os.PathLike[str]) -> MotionFile:
     return motion
 
 
-def _column(table: Any, name: str) -> FloatArray | None:
+def _read_column(table: Any, name: str) -> FloatArray | None:
     """A column of a table, perhaps under its name as a reference; None where there is none."""
     found = next((n for n in (name, f"{name}_reference") if n in (table.dtype.names or ())), None)
     return None if found is None else table[found]

@@ -31,7 +31,7 @@ def open_joint(request: CalibrationRequest, watch: SweepWatch | None = None) -> 
     """
     with interrupting_on_ending_signals():
         adapter: JointAdapter = open_adapter(request.backend, request.configuration)
-        with _told(adapter), adapter, stopping_on_error(adapter):
+        with _tell_opening(adapter), adapter, stopping_on_error(adapter):
             names = [joint.name for joint in adapter.capabilities.joints]
             if request.joint and request.joint not in names:
                 raise ParameterError(f"no joint {request.joint!r}; this backend has {', '.join(names)}")
@@ -43,7 +43,7 @@ def open_joint(request: CalibrationRequest, watch: SweepWatch | None = None) -> 
 
 
 @contextmanager
-def _told(adapter: JointAdapter) -> Iterator[None]:
+def _tell_opening(adapter: JointAdapter) -> Iterator[None]:
     try:
         yield
     finally:

@@ -73,7 +73,7 @@ class RunFolder:
             RecordingError: What it holds is no recording.
         """
         make_folder(Path(path))
-        folder = cls(Path(path), _Run(SCHEMA, "started", _now(), request, _versions()))
+        folder = cls(Path(path), _Run(SCHEMA, "started", _format_now(), request, _collect_versions()))
         require_free(folder.path, CALIBRATION, overwrite=True)
         if not overwrite and folder.recording.exists() and _is_worth_keeping(folder.recording):
             go_on = "" if request.motion else "go on with it (--resume), "
@@ -103,7 +103,7 @@ class RunFolder:
         try:
             stored = parse_json(read_whole(file))
             require_free(Path(path), CALIBRATION, overwrite=True)
-            return cls(Path(path), msgspec.convert(_changed(stored, changes or {}), _Run))
+            return cls(Path(path), msgspec.convert(_change(stored, changes or {}), _Run))
         except OutputError:
             raise
         except OSError as error:
@@ -179,7 +179,7 @@ def _is_worth_keeping(recording: Path) -> bool:
     return any(data.of_kind(kind) for kind in ("plateau", "breakaway", "motion"))
 
 
-def _changed(stored: Any, changes: Mapping[str, Any]) -> Any:
+def _change(stored: Any, changes: Mapping[str, Any]) -> Any:
     """What stands in a run.json with other options of the identification; anything that is not one stays as it is."""
     request = stored.get("request") if isinstance(stored, dict) else None
     options = request.get("options") if isinstance(request, dict) else None
@@ -189,11 +189,11 @@ def _changed(stored: Any, changes: Mapping[str, Any]) -> Any:
     return stored
 
 
-def _now() -> str:
+def _format_now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def _versions() -> dict[str, str]:
+def _collect_versions() -> dict[str, str]:
     found = {"fricomp": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:

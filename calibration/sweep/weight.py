@@ -220,8 +220,8 @@ def identify_torque_constant(
     if pairs < FEWEST_PASSES:
         raise IdentificationError(f"{pairs} passes in both directions are too few, {FEWEST_PASSES} are needed")
     unit = bare[0].metadata.torque_unit
-    empty = np.array([_gravity(bare[2 * k : 2 * k + 2]) for k in range(pairs)])
-    full = np.array([_gravity(loaded[2 * k : 2 * k + 2]) for k in range(pairs)])
+    empty = np.array([_fit_gravity(bare[2 * k : 2 * k + 2]) for k in range(pairs)])
+    full = np.array([_fit_gravity(loaded[2 * k : 2 * k + 2]) for k in range(pairs)])
     added = full - empty
     size = float(np.hypot(*added.mean(axis=0)))
     error = float(np.sqrt(np.sum(np.var(added, axis=0, ddof=1)) / pairs))  # of both parts: rather too much
@@ -235,7 +235,7 @@ def identify_torque_constant(
     return TorqueConstant(value, value * error / size, unit, own, size, gear_ratio)
 
 
-def _gravity(passes: Sequence[Recording]) -> FloatArray:
+def _fit_gravity(passes: Sequence[Recording]) -> FloatArray:
     """The part a sin q + b cos q of what one pass up and one down have read. Shape (2,)."""
     rows, readings = [], []
     for samples in passes:

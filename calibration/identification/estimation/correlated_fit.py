@@ -57,7 +57,9 @@ def solve_correlated(columns: FloatArray, target: FloatArray, at: _Index, reach:
     freedom = len(target) / max(len(target) - basis.shape[1], 1)
     covariance = freedom * back @ _spread(basis * error[:, None], at, reach) @ back.T
     if reach > 1:
-        covariance = with_least_variance(_leave_out_blocks(basis, error, back, _blocks(at, reach)), covariance)
+        covariance = with_least_variance(
+            _leave_out_blocks(basis, error, back, _split_into_blocks(at, reach)), covariance
+        )
     return CorrelatedFit(back @ coordinates, covariance, error, basis.shape[1])
 
 
@@ -72,7 +74,7 @@ def _spread(scores: FloatArray, at: _Index, reach: int) -> FloatArray:
     return np.asarray(spread)
 
 
-def _blocks(at: _Index, reach: int) -> list[_Index]:
+def _split_into_blocks(at: _Index, reach: int) -> list[_Index]:
     """Positions of the rows of each block; it ends where the rows do, since what follows is another stroke."""
     length = int(np.clip(len(at) // _FEWEST_BLOCKS, reach, _BLOCK * reach))
     strokes = np.split(np.arange(len(at)), np.flatnonzero(np.diff(at) > 1) + 1)

@@ -57,7 +57,7 @@ class _Stribeck(Basis):
     shape_index: ClassVar[tuple[int, ...]] = (2,)
 
     def columns(self, speed: FloatArray, shapes: Shapes) -> FloatArray:
-        velocity, exponent = _bend_of(shapes)
+        velocity, exponent = _read_bend(shapes)
         columns = np.empty((len(speed), 3))
         columns[:, 1] = np.exp(-((speed / velocity) ** exponent))
         columns[:, 0] = 1.0 - columns[:, 1]
@@ -65,7 +65,7 @@ class _Stribeck(Basis):
         return columns
 
     def slopes(self, speed: FloatArray, shapes: Shapes) -> list[FloatArray]:
-        velocity, exponent = _bend_of(shapes)
+        velocity, exponent = _read_bend(shapes)
         x = (speed / velocity) ** exponent
         fall = x * np.exp(-x)
         by_velocity = np.zeros((len(speed), 3))
@@ -82,7 +82,7 @@ class _FreeStribeck(_Stribeck):
     bends = ((0.4,), (0.7,), (1.0,), (1.4,), (2.0,), (3.0,))
 
 
-def _bend_of(shapes: Shapes) -> tuple[float, float]:
+def _read_bend(shapes: Shapes) -> tuple[float, float]:
     """Stribeck velocity and exponent; the exponent is 2 where it is not free."""
     velocity, exponent = (*shapes, 2.0)[:2]
     return velocity, exponent
@@ -246,18 +246,20 @@ class _Form(NamedTuple):
     bidirectional: bool = False
 
 
-def _in_both(*names: str) -> tuple[str, ...]:
+def _list_bidirectional_names(*names: str) -> tuple[str, ...]:
     """Parameters of the bidirectional term."""
     return tuple(f"stribeck.{direction}.{name}" for direction in ("forward", "reverse") for name in names)
 
 
-def _bidirectional(load: LoadScaling) -> tuple[Term, ...]:
+def _make_bidirectional(load: LoadScaling) -> tuple[Term, ...]:
     return (BidirectionalStribeck(_ONE, _ONE, load),)
 
 
 _FORMS: Mapping[str, _Form] = {
-    "stribeck": _Form(_Stribeck(), _in_both(*_CURVE), _bidirectional, True),
-    "free_stribeck": _Form(_FreeStribeck(), _in_both(*_CURVE, "stribeck_exponent"), _bidirectional, True),
+    "stribeck": _Form(_Stribeck(), _list_bidirectional_names(*_CURVE), _make_bidirectional, True),
+    "free_stribeck": _Form(
+        _FreeStribeck(), _list_bidirectional_names(*_CURVE, "stribeck_exponent"), _make_bidirectional, True
+    ),
     "symmetric_stribeck": _Form(
         _Stribeck(), tuple(f"symmetric_stribeck.curve.{p}" for p in _CURVE), lambda load: (Stribeck(_ONE, load),)
     ),
@@ -268,7 +270,7 @@ _FORMS: Mapping[str, _Form] = {
         lambda load: (Coulomb(1.0, load), Viscous(1.0)),
     ),
     "asymmetric_coulomb_viscous": _Form(
-        _CoulombViscous(), _in_both("coulomb_torque", "viscous_coefficient"), _bidirectional, True
+        _CoulombViscous(), _list_bidirectional_names("coulomb_torque", "viscous_coefficient"), _make_bidirectional, True
     ),
     "tanh": _Form(_Tanh(), _SMOOTHED, lambda load: (SmoothedCoulomb(1.0, 1.0, "tanh", load), Viscous(1.0))),
     "arctan": _Form(_Arctan(), _SMOOTHED, lambda load: (SmoothedCoulomb(1.0, 1.0, "arctan", load), Viscous(1.0))),

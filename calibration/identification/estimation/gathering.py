@@ -40,7 +40,7 @@ def gather_points(
     """
     if points.size <= most:
         return points
-    cell, number = _number_cells(points, most / MOST_POINTS)
+    cell, number = _assign_cells(points, most / MOST_POINTS)
     count = np.bincount(cell, weights=points.count, minlength=number).astype(np.float64)
     filled = count > 0.0
     expected = np.zeros(points.size) if curve is None else _compute_in_parts(curve, points)
@@ -63,7 +63,7 @@ def gather_points(
     return _split_by_spread(at, deviation) if spread else at
 
 
-def _number_cells(points: Observations, fineness: float) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], int]:
+def _assign_cells(points: Observations, fineness: float) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], int]:
     """The cell of each point, and how many there are at most."""
     load, loads = points.normal_load, 1
     varies = load is not None and float(np.ptp(load)) > 0.0

@@ -115,13 +115,13 @@ def observe(velocity: ArrayLike, torque: ArrayLike, normal_load: ArrayLike | Non
         IdentificationError: Lengths differ, a value is not finite or beyond 1e100, a
             load is not positive, no point is in motion, no torque is there, or friction opposes its sign convention.
     """
-    v, tau = _column("velocity", velocity), _column("torque", torque)
+    v, tau = _read_column("velocity", velocity), _read_column("torque", torque)
     if len(v) != len(tau):
         raise IdentificationError(f"velocity has {len(v)} values and torque has {len(tau)}; give one torque a velocity")
     load = None
     if normal_load is not None:
         given = np.asarray(normal_load, dtype=np.float64)
-        load = _column("normal_load", np.full(len(v), given) if given.ndim == 0 else given)
+        load = _read_column("normal_load", np.full(len(v), given) if given.ndim == 0 else given)
         if len(load) != len(v) or np.any(load <= 0.0):
             raise IdentificationError(
                 f"normal_load must be positive, one value for all {len(v)} points or one a point; "
@@ -141,7 +141,7 @@ def observe(velocity: ArrayLike, torque: ArrayLike, normal_load: ArrayLike | Non
     return Observations(np.abs(v[kept]), v[kept] > 0.0, magnitude, None if load is None else load[kept], kept)
 
 
-def _column(name: str, values: ArrayLike) -> FloatArray:
+def _read_column(name: str, values: ArrayLike) -> FloatArray:
     array = np.asarray(values, dtype=np.float64).ravel()
     bad = np.flatnonzero(~np.isfinite(array))
     if len(bad):

@@ -104,7 +104,7 @@ class _Problem:
     def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise, network: TanhNetwork) -> None:
         self.law, self.observations, self.noise, self.network = law, observations, noise, network
         self.upper = law.upper_logs(observations)
-        self.seen, self._noise_seen = _see(observations, noise)
+        self.seen, self._noise_seen = _select_rows(observations, noise)
         self.inputs = network.inputs(self.seen.velocity, self.seen.normal_load)
         self._side = self.seen.sign * network.torque_scale
 
@@ -119,19 +119,21 @@ class _Problem:
     def network_error(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> FloatArray:
         """a alone. The weights of the points are held: they say what a residual is worth, they are no target."""
         output = forward(self.network.with_parameters(weights).layers, self.inputs)
-        return np.asarray(weight * (output * self._side - self._middle(self.law.evaluate(at.logs, self.seen)[0])))
+        return np.asarray(
+            weight * (output * self._side - self._compute_middle(self.law.evaluate(at.logs, self.seen)[0]))
+        )
 
     def network_rows(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> _Rows:
         """a and its derivatives."""
         output, by_weight = forward_with_jacobian(self.network.with_parameters(weights).layers, self.inputs)
         magnitude, jacobian = self.law.evaluate(at.logs, self.seen)
         return _Rows(
-            weight * (output * self._side - self._middle(magnitude)),
+            weight * (output * self._side - self._compute_middle(magnitude)),
             -0.5 * weight[:, None] * jacobian,
             (weight * self._side)[:, None] * by_weight,
         )
 
-    def _middle(self, magnitude: FloatArray) -> FloatArray:
+    def _compute_middle(self, magnitude: FloatArray) -> FloatArray:
         return 0.5 * (self.seen.magnitude + magnitude)
 
     def losses(self, weights: FloatArray, at: Optimum) -> tuple[float, float]:
@@ -143,7 +145,7 @@ class _Problem:
         return data, model
 
 
-def _see(observations: Observations, noise: Noise) -> tuple[Observations, Noise]:
+def _select_rows(observations: Observations, noise: Noise) -> tuple[Observations, Noise]:
     """Rows for the network, and their noise: means of neighbours, or every so manieth where deviations differ.
 
     That step is odd, so that of two rows that stand for one cell either comes up.
@@ -171,7 +173,7 @@ def train_pinn(law: SeparableLaw, observations: Observations, start: Optimum, *,
     network = untrained_network(observations, np.random.default_rng(seed))
     problem = _Problem(law, observations, start.noise, network)
     weights, at = network.parameters(), start
-    rows = problem.network_rows(weights, at, problem.weigh(at) / _residual_unit(at, observations))
+    rows = problem.network_rows(weights, at, problem.weigh(at) / _compute_residual_unit(at, observations))
     weights = weights + solve_output_layer(rows.by_weight, rows.error)
     return _descend(problem, weights, at)
 
@@ -187,13 +189,13 @@ def untrained_network(observations: Observations, rng: np.random.Generator) -> T
     return TanhNetwork(layers, top, observations.torque_scale, offset, half_range or 1.0)
 
 
-def _residual_unit(at: Optimum, observations: Observations) -> float:
+def _compute_residual_unit(at: Optimum, observations: Observations) -> float:
     """Unit in which residuals are of order one, whatever the torque's is; constant factors change no optimum."""
     return float(np.median(at.whitened.weight)) * observations.torque_scale
 
 
 def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn:
-    unit = _residual_unit(at, problem.observations)
+    unit = _compute_residual_unit(at, problem.observations)
     damping, course = Damping(), []
     likelihood = at.whitened.residual / unit / _ROOT2
     weight = problem.weigh(at) / unit
@@ -202,7 +204,7 @@ def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn
     for _ in range(_MOST_STEPS):
         step_count += 1
         by_parameter = at.whitened.jacobian / unit / _ROOT2
-        change, weight_change, predicted = _joint_step(likelihood, by_parameter, rows, damping.value)
+        change, weight_change, predicted = _solve_joint_step(likelihood, by_parameter, rows, damping.value)
         trial = problem.optimum(at.logs + change)
         trial_likelihood = trial.whitened.residual / unit / _ROOT2
         trial_error = problem.network_error(weights + weight_change, trial, weight)
@@ -222,11 +224,11 @@ def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn
         if converged and before - after < _SLOW_GAIN * before:
             break
     return TrainedPinn(
-        at, problem.network.with_parameters(weights), _traces(problem.law.names, course), converged, step_count
+        at, problem.network.with_parameters(weights), _collect_traces(problem.law.names, course), converged, step_count
     )
 
 
-def _joint_step(
+def _solve_joint_step(
     likelihood: FloatArray, by_parameter: FloatArray, rows: _Rows, damping: float
 ) -> tuple[FloatArray, FloatArray, float]:
     """Changes of parameters and weights, and the fall of the loss that the linear model promises."""
@@ -249,11 +251,11 @@ def _joint_step(
 
 def _has_converged(at: Optimum, observations: Observations) -> bool:
     """Whether the score is small, or the closed form meets the data to rounding."""
-    exact = at.spread() < 1e-9 * _residual_unit(at, observations)
+    exact = at.spread() < 1e-9 * _compute_residual_unit(at, observations)
     return exact or at.score_distance() < _SCORE_TOLERANCE
 
 
-def _traces(names: tuple[str, ...], course: list[tuple[FloatArray, float, float]]) -> Traces:
+def _collect_traces(names: tuple[str, ...], course: list[tuple[FloatArray, float, float]]) -> Traces:
     if not course:
         return Traces(names, np.empty((0, len(names))), np.empty(0), np.empty(0))
     parameters, data, model = zip(*course, strict=True)

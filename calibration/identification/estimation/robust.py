@@ -59,12 +59,13 @@ def fit_robust(law: SeparableLaw, observations: Observations, noise: Noise, scan
     """
     first = starting_points(law, observations, noise, robust=True, scan=scan)[0]
     whitened = _whiten(first, law, observations, noise)
-    deviation = _bulk(whitened.residual, observations.torque_scale).deviation / whitened.weight
-    starts = [first, *_subset_starts(law, observations, first, deviation)]
+    deviation = _guess_contamination(whitened.residual, observations.torque_scale).deviation / whitened.weight
+    starts = [first, *_find_subset_starts(law, observations, first, deviation)]
     fits = sorted(
-        (_maximise(start, law, observations, noise, 1e-2) for start in starts), key=lambda f: f.negative_log_likelihood
+        (_maximise_likelihood(start, law, observations, noise, 1e-2) for start in starts),
+        key=lambda f: f.negative_log_likelihood,
     )
-    best = _maximise(fits[0].logs, law, observations, noise, 1e-7)
+    best = _maximise_likelihood(fits[0].logs, law, observations, noise, 1e-7)
     rivals = [f for f in fits[1:] if np.max(np.abs(f.magnitude - best.magnitude) / deviation) > 1.0]
     wider = _widen(best, law, observations, noise)
     return replace(
@@ -93,38 +94,38 @@ def _whiten(logs: FloatArray, law: SeparableLaw, observations: Observations, noi
     return noise.whiten(observations.magnitude, magnitude, jacobian)
 
 
-def _bulk(residual: FloatArray, torque_scale: float) -> _Contamination:
+def _guess_contamination(residual: FloatArray, torque_scale: float) -> _Contamination:
     """A first guess from the median."""
     spread = float(np.median(np.abs(residual))) / _NORMAL_MAD
     return _Contamination(max(spread, 1e-12 * torque_scale), 0.1, 10.0)
 
 
-def _maximise(
+def _maximise_likelihood(
     start: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise, tolerance: float
 ) -> Optimum:
     logs, state, residual = start, None, np.empty(0)
     for _ in range(60):
         whitened = _whiten(logs, law, observations, noise)
         residual = whitened.residual
-        state = _contamination(residual, state or _bulk(residual, observations.torque_scale))
-        precision = _precision(residual, state)
+        state = _estimate_contamination(residual, state or _guess_contamination(residual, observations.torque_scale))
+        precision = _compute_precision(residual, state)
         given = Noise("given", 1.0 / (whitened.weight * np.sqrt(precision)))
         fit = refine(logs, law, observations, given, evaluations=4)
         moved, logs = float(np.max(np.abs(fit.logs - logs))), fit.logs
         if moved < tolerance:
             break
     assert state is not None
-    outlier, bulk = _densities(residual, state)
+    outlier, bulk = _compute_densities(residual, state)
     density = float(np.sum(np.log(outlier + bulk + 1e-300)))
     units = 0.0 if noise.deviation is None else float(np.sum(np.log(noise.deviation)))
     return replace(fit, negative_log_likelihood=units - density)
 
 
-def _contamination(residual: FloatArray, state: _Contamination) -> _Contamination:
+def _estimate_contamination(residual: FloatArray, state: _Contamination) -> _Contamination:
     """Expectation-maximisation of the mixture with the residuals held."""
     least = state.deviation * 1e-6
     for _ in range(30):
-        outlier, bulk = _densities(residual, state)
+        outlier, bulk = _compute_densities(residual, state)
         probability = outlier / (outlier + bulk + 1e-300)
         deviation = max(float(np.sqrt(np.average(residual**2, weights=1.0 - probability + 1e-9))), least)
         wide = float(np.sqrt(np.average(residual**2, weights=probability + 1e-9)))
@@ -133,7 +134,7 @@ def _contamination(residual: FloatArray, state: _Contamination) -> _Contaminatio
     return state
 
 
-def _densities(residual: FloatArray, state: _Contamination) -> tuple[FloatArray, FloatArray]:
+def _compute_densities(residual: FloatArray, state: _Contamination) -> tuple[FloatArray, FloatArray]:
     """Densities of the outliers and of the bulk, each times its share."""
     narrow, wide = state.deviation, state.deviation * state.widening
     root = np.sqrt(2.0 * np.pi)
@@ -141,14 +142,14 @@ def _densities(residual: FloatArray, state: _Contamination) -> tuple[FloatArray,
     return outlier, (1.0 - state.share) / (narrow * root) * np.exp(-0.5 * (residual / narrow) ** 2)
 
 
-def _precision(residual: FloatArray, state: _Contamination) -> FloatArray:
+def _compute_precision(residual: FloatArray, state: _Contamination) -> FloatArray:
     """Expected inverse variance of each point."""
-    outlier, bulk = _densities(residual, state)
+    outlier, bulk = _compute_densities(residual, state)
     probability = outlier / (outlier + bulk + 1e-300)
     return (1.0 - probability + probability / state.widening**2) / state.deviation**2
 
 
-def _subset_starts(
+def _find_subset_starts(
     law: SeparableLaw, observations: Observations, first: FloatArray, deviation: FloatArray
 ) -> list[FloatArray]:
     """Starts from random halves: the best of each branch together, then each branch's others beside the best."""
@@ -157,7 +158,7 @@ def _subset_starts(
     for k, rows in enumerate(law.branches(observations)):
         at = first[k * law.branch_size : (k + 1) * law.branch_size]
         points = observations.select(np.flatnonzero(rows))
-        branches.append(_branch_starts(law, points, at, 1.0 / deviation[rows], rng))
+        branches.append(_find_branch_starts(law, points, at, 1.0 / deviation[rows], rng))
     best = [candidates[0].logs for candidates in branches]
     combinations = [best]
     for k, candidates in enumerate(branches):
@@ -165,7 +166,7 @@ def _subset_starts(
     return [with_sensitivity(law, np.concatenate(combination)) for combination in combinations]
 
 
-def _branch_starts(
+def _find_branch_starts(
     law: SeparableLaw, points: Observations, first: FloatArray, weight: FloatArray, rng: np.random.Generator
 ) -> list[_Candidate]:
     at = law.shapes_of(np.exp(first))
@@ -181,10 +182,10 @@ def _branch_starts(
             curve = all_rows @ np.exp(logs[law.linear_index]) * weight
             inside = np.maximum(1.0 - ((points.magnitude * weight - curve) / _REACH) ** 2, 0.0)
             found.append(_Candidate(float(np.sum(1.0 - inside**3)), logs, curve))
-    return _distinct(sorted(found, key=lambda candidate: candidate.cost))
+    return _select_distinct(sorted(found, key=lambda candidate: candidate.cost))
 
 
-def _distinct(ranked: list[_Candidate]) -> list[_Candidate]:
+def _select_distinct(ranked: list[_Candidate]) -> list[_Candidate]:
     """The best few whose curves differ."""
     kept: list[_Candidate] = []
     for candidate in ranked:

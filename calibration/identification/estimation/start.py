@@ -63,7 +63,7 @@ def starting_points(
 
 def scan_basins(law: SeparableLaw, observations: Observations, noise: Noise, *, robust: bool) -> Scan:
     """What the projection sees with weights that do not follow the torque."""
-    return _scan_branches(law, observations, _plain_weight(observations, noise), robust=robust)
+    return _scan_branches(law, observations, _compute_plain_weight(observations, noise), robust=robust)
 
 
 def _scan_branches(law: SeparableLaw, observations: Observations, weight: FloatArray, *, robust: bool) -> Scan:
@@ -79,7 +79,7 @@ def project_start(law: SeparableLaw, observations: Observations, noise: Noise, l
     From a shape below the slowest speed the data have no slope to follow: every point then lies on the same side of
     the bend.
     """
-    weight, branches = _plain_weight(observations, noise), []
+    weight, branches = _compute_plain_weight(observations, noise), []
     for k, rows in enumerate(law.branches(observations)):
         points = observations.select(np.flatnonzero(rows))
         shapes = law.shapes_of(np.exp(logs[k * law.branch_size : (k + 1) * law.branch_size]))
@@ -90,7 +90,7 @@ def project_start(law: SeparableLaw, observations: Observations, noise: Noise, l
     return with_sensitivity(law, np.concatenate(branches))
 
 
-def _plain_weight(observations: Observations, noise: Noise) -> FloatArray:
+def _compute_plain_weight(observations: Observations, noise: Noise) -> FloatArray:
     return observations.root_count / (1.0 if noise.deviation is None else noise.deviation)
 
 
@@ -113,7 +113,7 @@ def _scan(
         return [project(law, points, weight, (), robust=robust)]
     grid = np.geomspace(points.speed.min() / 3.0, points.speed.max() * _FASTEST, _GRID).tolist()
     candidates = [
-        min((project(law, points, weight, (one, *bend), robust=robust) for bend in law.basis.bends), key=_cost_of)
+        min((project(law, points, weight, (one, *bend), robust=robust) for bend in law.basis.bends), key=_get_cost)
         for one in grid
     ]
     costs = np.array([candidate.cost for candidate in candidates])
@@ -122,7 +122,7 @@ def _scan(
     return [candidates[i] for i in valleys[np.argsort(costs[valleys])][:_BASINS]]
 
 
-def _cost_of(candidate: _Candidate) -> float:
+def _get_cost(candidate: _Candidate) -> float:
     return candidate.cost
 
 
@@ -140,7 +140,7 @@ def project_on_columns(
     scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
     linear, cost = nnls(columns / scale, target)
     if robust:
-        linear, cost = _least_absolute(columns / scale, target, linear)
+        linear, cost = _fit_least_absolute(columns / scale, target, linear)
     floor = _SMALLEST * np.linalg.norm(target) + 1e-12
     values = np.empty(law.branch_size)
     values[law.linear_index] = np.maximum(linear, floor) / scale
@@ -148,7 +148,7 @@ def project_on_columns(
     return _Candidate(float(cost), np.log(values))
 
 
-def _least_absolute(columns: FloatArray, target: FloatArray, linear: FloatArray) -> tuple[FloatArray, float]:
+def _fit_least_absolute(columns: FloatArray, target: FloatArray, linear: FloatArray) -> tuple[FloatArray, float]:
     """Least absolute values by reweighting: an outlier pulls no harder than any other point."""
     error = target - columns @ linear
     for _ in range(12):

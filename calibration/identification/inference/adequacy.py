@@ -51,12 +51,12 @@ def compute_misfit_p_value(found: Optimum, points: Observations) -> float:
     Cosines over the logarithm of speed, in each direction, as far as small changes of the parameters cannot follow
     them, are compared with what is left beside them [seber2003nonlinear]. It is 1 where there are too few points.
     """
-    law = _orthonormal(_scaled(found.whitened.weight[:, None] * found.jacobian), 1e-7)
+    law = _orthonormalise(_scale(found.whitened.weight[:, None] * found.jacobian), 1e-7)
     residual = found.whitened.weight * (points.magnitude - found.magnitude)
     residual = residual - law @ (law.T @ residual)
-    waves = _waves(points, int(min(_WAVES, (points.total - law.shape[1]) // _POINTS_A_WAVE)))
+    waves = _build_waves(points, int(min(_WAVES, (points.total - law.shape[1]) // _POINTS_A_WAVE)))
     waves = points.root_count[:, None] * waves
-    waves = _orthonormal(waves - law @ (law.T @ waves), _NEW * np.sqrt(points.total))
+    waves = _orthonormalise(waves - law @ (law.T @ waves), _NEW * np.sqrt(points.total))
     freedom = points.total - law.shape[1] - waves.shape[1]
     if not waves.shape[1] or freedom < 1:
         return 1.0
@@ -65,7 +65,7 @@ def compute_misfit_p_value(found: Optimum, points: Observations) -> float:
     return float(fisher.sf(smooth / waves.shape[1] / (rest / freedom), waves.shape[1], freedom))
 
 
-def _waves(points: Observations, count: int) -> FloatArray:
+def _build_waves(points: Observations, count: int) -> FloatArray:
     """Cosines of each direction, a constant among them. Shape (n_points, n_waves)."""
     columns = []
     for rows in (points.forward, ~points.forward):
@@ -77,11 +77,11 @@ def _waves(points: Observations, count: int) -> FloatArray:
     return np.stack(columns, axis=1) if columns else np.empty((points.size, 0))
 
 
-def _scaled(columns: FloatArray) -> FloatArray:
+def _scale(columns: FloatArray) -> FloatArray:
     return np.asarray(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
 
 
-def _orthonormal(columns: FloatArray, least: float) -> FloatArray:
+def _orthonormalise(columns: FloatArray, least: float) -> FloatArray:
     """Directions that `columns` span with singular values of `least` or more. Shape (n_points, n_directions)."""
     left, values, _ = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(left[:, values > least])
@@ -102,7 +102,7 @@ def find_open_bends(found: Optimum, form: SeparableLaw, points: Observations) ->
     bends = []
     for branch, rows in enumerate(form.branches(points)):
         best = float(np.sum(found.whitened.residual[rows] ** 2))
-        costs = _bend_costs(found, form, points, rows)
+        costs = _compute_bend_costs(found, form, points, rows)
         none, slower, faster = ((cost - best) / max(variance, 1e-300) for cost in costs)
         if none < shown and any(name.endswith("static_torque") for name in form.names):
             bends.append(OpenBend(branch, "none"))
@@ -111,7 +111,7 @@ def find_open_bends(found: Optimum, form: SeparableLaw, points: Observations) ->
     return bends
 
 
-def _bend_costs(
+def _compute_bend_costs(
     found: Optimum, form: SeparableLaw, points: Observations, rows: np.ndarray[tuple[int], np.dtype[np.bool_]]
 ) -> list[float]:
     """Sum of squares of a branch without a bend, with one below the slowest speed, and with one above the fastest."""

@@ -111,7 +111,7 @@ def profile_interval(result: Identified, name: str, level: float = 0.95) -> Inte
     Raises:
         IdentificationError: The law has no such parameter.
     """
-    index = _index(result, name)
+    index = _find_index(result, name)
     freedom = result.freedom
     alone = max(float(covariance_of(result.optimum)[index, index]), 1e-300)
     rise = 0.5 * float(fisher.ppf(level, 1, freedom)) * max(1.0, float(result.covariance[index, index]) / alone)
@@ -121,7 +121,7 @@ def profile_interval(result: Identified, name: str, level: float = 0.95) -> Inte
     step = min(result.standard_deviations[name] / result.parameters[name], 1.0)
 
     def excess(log_value: float) -> float:
-        return _held(result, index, log_value) - rise
+        return _compute_held(result, index, log_value) - rise
 
     ends = []
     for side in (-1.0, 1.0):
@@ -131,13 +131,13 @@ def profile_interval(result: Identified, name: str, level: float = 0.95) -> Inte
     return Interval(float(np.exp(ends[0])), float(np.exp(ends[1])))
 
 
-def _index(result: Identified, name: str) -> int:
+def _find_index(result: Identified, name: str) -> int:
     if name not in result.parameter_names:
         raise IdentificationError(f"unknown parameter {name!r}; estimated: {', '.join(result.parameter_names)}")
     return result.parameter_names.index(name)
 
 
-def _held(result: Identified, index: int, log_value: float) -> float:
+def _compute_held(result: Identified, index: int, log_value: float) -> float:
     """Negative log-likelihood above the optimum with one logarithm held."""
     form, points, noise = result.form, result.rows, result.optimum.noise
     free = np.arange(len(form.names)) != index

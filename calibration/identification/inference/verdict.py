@@ -114,11 +114,11 @@ def _find_unknown(
     """What the points do not determine, in a sentence; empty where they determine everything."""
     driven = find_driven_directions(points) if independent else []
     if driven:
-        return _driven_message(driven, points)
+        return _describe_driven(driven, points)
     bends = [] if exact else find_open_bends(found, form, points)
     flat = [bend.branch for bend in bends if bend.side == "none"]
     if flat:
-        return _flat_message(flat, form, points)
+        return _describe_flat(flat, form, points)
     known = zip(np.exp(found.logs).tolist(), deviation.tolist(), strict=True)
     vague = find_vague(dict(zip(form.names, known, strict=True)), points)
     if bends:
@@ -126,7 +126,7 @@ def _find_unknown(
     return vague_message(vague, points) if vague else ""
 
 
-def _driven_message(driven: list[str], points: Observations) -> str:
+def _describe_driven(driven: list[str], points: Observations) -> str:
     offset = points.compute_asymmetry()
     size = "" if offset is None else f", of {offset:.3g} if friction is the same in both directions"
     return (
@@ -135,7 +135,7 @@ def _driven_message(driven: list[str], points: Observations) -> str:
     )
 
 
-def _flat_message(branches: list[int], form: SeparableLaw, points: Observations) -> str:
+def _describe_flat(branches: list[int], form: SeparableLaw, points: Observations) -> str:
     sides = " and ".join(("forward", "reverse")[branch] for branch in branches)
     where = f" in {sides} direction" if form.bidirectional else ""
     low, high = float(points.speed.min()), float(points.speed.max())

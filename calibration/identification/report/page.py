@@ -58,7 +58,7 @@ def write_identification_report(
     sections = (
         Section("Friction curve", (charts[0],)),
         Section("Parameters", (_tabulate(result),)),
-        Section("What was checked", _checks(result)),
+        Section("What was checked", _list_checks(result)),
         Section("Residuals", (charts[1],)),
         *((Section("Training", (charts[2], network_note(result))),) if len(charts) > 2 else ()),
         *((Section("The data", (build_data_table(data), *of_data)),) if data is not None else ()),
@@ -97,15 +97,15 @@ def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
     units, rows = result.model.units(), []
     for name in result.parameter_names:
         plain = result.interval(name)
-        profile = _between(*vars(result.profiles[name]).values()) if name in result.profiles else ""
-        value, ends = f"{result.parameters[name]:.5g}", _between(plain.lower, plain.upper)
+        profile = _format_between(*vars(result.profiles[name]).values()) if name in result.profiles else ""
+        value, ends = f"{result.parameters[name]:.5g}", _format_between(plain.lower, plain.upper)
         if name in result.at_bound:  # what has shrunk to nothing is not printed as 1e-12
             value, ends, profile = f"{round(result.parameters[name], 9):.5g}", f"{ends}, {AT_BOUND}", ""
         rows.append((name, value, ends, profile, units[name]))
     return tuple(rows)
 
 
-def _between(lower: float, upper: float) -> str:
+def _format_between(lower: float, upper: float) -> str:
     if np.isfinite(upper - lower):
         return f"{lower:.5g} to {upper:.5g}"
     return f"at least {lower:.5g}" if lower > 0.0 else "cannot be determined"
@@ -114,12 +114,12 @@ def _between(lower: float, upper: float) -> str:
 def identification_charts(result: IdentificationResult) -> list[Chart]:
     """Friction curve, residuals and, where a network was trained, its course; of many points an even selection."""
     curve = friction_curve(result.model, _select_shown(result.observations), result.torque_deviation, result.network)
-    charts = [curve, _residuals(result)]
+    charts = [curve, _draw_residuals(result)]
     return charts if result.traces is None else [*charts, training_chart(result.traces, result.model.torque_unit)]
 
 
-def _residuals(result: IdentificationResult) -> Chart:
-    units, points = _units(result), _select_shown(result.observations)
+def _draw_residuals(result: IdentificationResult) -> Chart:
+    units, points = _get_units(result), _select_shown(result.observations)
     magnitude, _ = result.form.evaluate(result.optimum.logs, points)
     deviation = result.noise.level * (magnitude if result.noise.kind == "relative" else 1.0)
     scaled = (points.magnitude - magnitude) / deviation
@@ -140,7 +140,7 @@ def _choose_shown(points: Observations) -> slice:
     return slice(None, None, -(-points.size // _MOST_SHOWN))
 
 
-def _checks(result: IdentificationResult) -> tuple[Check, ...]:
+def _list_checks(result: IdentificationResult) -> tuple[Check, ...]:
     status, _ = judge_status(result.status)
     choice = f"{result.noise.kind} noise, level {result.noise.level:.4g}"
     if np.isfinite(result.noise.evidence):  # none where its kind was known
@@ -149,7 +149,7 @@ def _checks(result: IdentificationResult) -> tuple[Check, ...]:
     exported = f"the exported network is within {error:.2g} of the largest torque of the closed form"
     return (
         Check("Status", status, result.message),
-        *_slowest_speed(result),
+        *_check_slowest_speed(result),
         Check(
             "Likelihood optimum",
             "passed" if result.distance_to_optimum < 0.1 else "warning",
@@ -160,17 +160,17 @@ def _checks(result: IdentificationResult) -> tuple[Check, ...]:
     )
 
 
-def _slowest_speed(result: IdentificationResult) -> tuple[Check, ...]:
+def _check_slowest_speed(result: IdentificationResult) -> tuple[Check, ...]:
     """Whether the static torque was seen, or extrapolated from the bend above it."""
     bends = [value for name, value in result.parameters.items() if name.endswith("stribeck_velocity")]
     if not bends:
         return ()
-    slowest, unit = float(result.observations.speed.min()), _units(result)[0]
+    slowest, unit = float(result.observations.speed.min()), _get_units(result)[0]
     far = slowest > _SEES_STATIC * min(bends)
     said = f"{slowest:.3g} {unit}, with the Stribeck velocity at {min(bends):.3g} {unit}"
     more = f": the static torque is extrapolated; measure below {_SEES_STATIC * min(bends):.2g} {unit}" if far else ""
     return (Check("Slowest speed", "warning" if far else "passed", said + more),)
 
 
-def _units(result: IdentificationResult) -> tuple[str, str]:
+def _get_units(result: IdentificationResult) -> tuple[str, str]:
     return f"{result.model.position_unit}/s", result.model.torque_unit

@@ -111,7 +111,7 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
         IdentificationError: There is no plateau.
         ParameterError: The normal load is none of these, or not to be had.
     """
-    parts, gravity = _comparable_parts(data, gravity_unknown)
+    parts, gravity = _select_comparable_parts(data, gravity_unknown)
     modelled = gravity is None and parts[0].samples.load_torque is not None
     metadata = parts[0].samples.metadata
     quantum = metadata.encoder_resolution or 0.0
@@ -124,7 +124,7 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
         quantum=quantum,
         torque_limit=float(metadata.extra.get("torque_limit", np.inf)),
     )
-    breakaways = _breakaways(data, offset.value, quantum)
+    breakaways = _find_breakaways(data, offset.value, quantum)
     loaded, load_source = _with_normal_load(points, normal_load)
     compared = half_differences(loaded) if gravity_unknown else loaded
     return SweepAnalysis(
@@ -132,17 +132,19 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
         breakaways=half_differences_at_rest(breakaways) if gravity_unknown else breakaways,
         offset=offset,
         rigid_body=fit,
-        torque_source=_torque_source(gravity_unknown, modelled),
+        torque_source=_choose_torque_source(gravity_unknown, modelled),
         load_source=load_source,
-        drift=_drift(compared),
-        assistance=_assistance([part.samples for part in parts], [p.velocity for p in points]),
+        drift=_measure_drift(compared),
+        assistance=_measure_assistance([part.samples for part in parts], [p.velocity for p in points]),
         metadata=metadata,
         sample_rate=1.0 / float(np.median([part.samples.sample_period for part in parts])),
         gravity=gravity,
     )
 
 
-def _comparable_parts(data: SweepData, gravity_unknown: bool) -> tuple[tuple[SettledPart, ...], GravityFit | None]:
+def _select_comparable_parts(
+    data: SweepData, gravity_unknown: bool
+) -> tuple[tuple[SettledPart, ...], GravityFit | None]:
     """The parts of the plateaus that count, and gravity where the recording itself has to show it."""
     parts = data.settled_parts()
     if not parts:
@@ -158,7 +160,7 @@ def _comparable_parts(data: SweepData, gravity_unknown: bool) -> tuple[tuple[Set
     return parts if gravity is None else tuple(map(gravity.attach, parts)), gravity
 
 
-def _breakaways(data: SweepData, offset: float, quantum: float) -> tuple[Breakaway, ...]:
+def _find_breakaways(data: SweepData, offset: float, quantum: float) -> tuple[Breakaway, ...]:
     """What every ramp has shown."""
     measured = [
         (ramp, measure_breakaway(r, ramp.direction, offset=offset, quantum=quantum)) for ramp, r in data.ramps()
@@ -166,7 +168,7 @@ def _breakaways(data: SweepData, offset: float, quantum: float) -> tuple[Breakaw
     return tuple(replace(found, number=ramp.number) for ramp, found in measured if found is not None)
 
 
-def _torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
+def _choose_torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
     if gravity_unknown:
         return HALF_DIFFERENCE
     return "measured torque less the rigid-body torque" if modelled else "measured torque"
@@ -174,36 +176,36 @@ def _torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
 
 def measure_offset(data: SweepData) -> Mean:
     """Zero of the torque sensor, from all rests; zero and unknown where there is none."""
-    rests = [_rest(samples) for _, samples in data.of_kind("tare")]
+    rests = [_average_rest(samples) for _, samples in data.of_kind("tare")]
     if not rests:
         return Mean(0.0, 0.0)
     values, deviations = np.array([r.value for r in rests]), np.array([r.deviation for r in rests])
     # A zero that has moved between the rests is known no better than half of that.
-    own = float(np.hypot(np.sqrt(np.sum(deviations**2)) / len(rests), _rounding(data)))
+    own = float(np.hypot(np.sqrt(np.sum(deviations**2)) / len(rests), _compute_rounding(data)))
     moved = 0.5 * float(np.ptp(values))
     return Mean(float(values.mean()), max(own, moved if moved > 3.0 * own else 0.0))
 
 
-def _rest(samples: Recording) -> Mean:
+def _average_rest(samples: Recording) -> Mean:
     """Zero from one rest. A reading that never changes is known to its step only: the zero is where it is nearest to
     none, because a code for exactly no torque is one that some drives do not have."""
     mean = mean_of(samples.torque)
     if np.ptp(samples.torque) > 0.0:
         return mean
-    half = 0.5 * _torque_quantum(samples)
+    half = 0.5 * _find_torque_quantum(samples)
     return Mean(float(np.sign(mean.value)) * max(abs(mean.value) - half, 0.0), 0.0)
 
 
-def _torque_quantum(samples: Recording) -> float:
+def _find_torque_quantum(samples: Recording) -> float:
     return float(samples.metadata.extra.get("torque_quantum", 0.0))
 
 
-def _rounding(data: SweepData) -> float:
+def _compute_rounding(data: SweepData) -> float:
     """Standard deviation of the zero that rounding leaves [N·m] or [N]: q / sqrt(12) times exp(-2 pi^2 s^2 / q^2)
     with a noise s before the step q, which dithers it [widrow2008]."""
     left = [0.0]
     for _, samples in data.of_kind("tare"):
-        step = _torque_quantum(samples)
+        step = _find_torque_quantum(samples)
         if step > 0.0:
             noise = max(float(np.var(samples.torque)) / step**2 - 1.0 / 12.0, 0.0)
             left.append(step / np.sqrt(12.0) * np.exp(-2.0 * np.pi**2 * noise))
@@ -238,7 +240,7 @@ def parse_load(choice: str) -> float:
     return value
 
 
-def _drift(points: Sequence[FrictionPoint]) -> tuple[Drift, ...]:
+def _measure_drift(points: Sequence[FrictionPoint]) -> tuple[Drift, ...]:
     found = []
     for again in (p for p in points if p.is_first_again):
         first = next(
@@ -251,7 +253,7 @@ def _drift(points: Sequence[FrictionPoint]) -> tuple[Drift, ...]:
     return tuple(found)
 
 
-def _assistance(samples: Sequence[Recording], velocities: Sequence[float]) -> Mean | None:
+def _measure_assistance(samples: Sequence[Recording], velocities: Sequence[float]) -> Mean | None:
     """Reported less commanded torque in the direction of motion: what a drive adds that nobody asked for."""
     excess: dict[int, list[float]] = {1: [], -1: []}
     for recording, velocity in zip(samples, velocities, strict=True):

@@ -112,10 +112,10 @@ def load_sweep(path: str | os.PathLike[str]) -> SweepData:
     with warnings.catch_warnings():  # a block that a kill has cut short is left out below anyway
         warnings.simplefilter("ignore", RecordingWarning)
         recording = read_recording(os.fspath(path))
-    return SweepData(tuple(_labelled(path, recording, blocks)))
+    return SweepData(tuple(_label_blocks(path, recording, blocks)))
 
 
-def _labelled(
+def _label_blocks(
     path: str | os.PathLike[str], recording: Recording, blocks: Iterable[tuple[str, int, int]]
 ) -> Iterable[tuple[BlockLabel, Recording]]:
     for text, start, stop in blocks:

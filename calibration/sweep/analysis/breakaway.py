@@ -80,14 +80,14 @@ def measure_breakaway(samples: Recording, direction: int, *, offset: float, quan
     if not len(gone):
         return None
     stop = int(gone[0]) + 1
-    start = _past_half(samples.time[:stop], torque[:stop])
+    start = _find_past_half(samples.time[:stop], torque[:stop])
     if stop - start < SHORTEST_FIT:
         return None
-    level, at = _bent_line(samples.time[start:stop], torque[start:stop])
+    level, at = _fit_bent_line(samples.time[start:stop], torque[start:stop])
     return Breakaway(float(samples.position[0]), direction, level, at)
 
 
-def _past_half(time: FloatArray, torque: FloatArray) -> int:
+def _find_past_half(time: FloatArray, torque: FloatArray) -> int:
     """Index from which the torque stays past half of its rise: the last part of the ramp."""
     width = max(1, round(SMOOTHING / float(np.median(np.diff(time)))))
     smooth = np.convolve(torque, np.ones(width) / width, mode="same") if len(torque) > 2 * width else torque
@@ -96,7 +96,7 @@ def _past_half(time: FloatArray, torque: FloatArray) -> int:
     return int(below[-1]) + 1 if len(below) else 0
 
 
-def _bent_line(time: FloatArray, torque: FloatArray) -> tuple[float, float]:
+def _fit_bent_line(time: FloatArray, torque: FloatArray) -> tuple[float, float]:
     """Level and time of the bend of the best tau = a + r min(t, t_b)."""
     best, level, bend = np.inf, float(torque[-1]), float(time[-1])
     for at in np.linspace(time[0], time[-1], 80)[4:]:

@@ -23,7 +23,7 @@ def friction_curve(analysis: SweepAnalysis, result: IdentificationResult, *, net
         result: What was identified from them.
         network: Whether the exported network is drawn too.
     """
-    panels = tuple(_direction(analysis, result, sign, network=network) for sign in (1, -1))
+    panels = tuple(_draw_direction(analysis, result, sign, network=network) for sign in (1, -1))
     return Chart(
         "friction-curve",
         "Friction over speed",
@@ -36,7 +36,7 @@ def friction_curve(analysis: SweepAnalysis, result: IdentificationResult, *, net
     )
 
 
-def _direction(analysis: SweepAnalysis, result: IdentificationResult, sign: int, *, network: bool) -> Panel:
+def _draw_direction(analysis: SweepAnalysis, result: IdentificationResult, sign: int, *, network: bool) -> Panel:
     points = [p for p in analysis.steady if p.velocity * sign > 0.0]
     rejected = [p for p in analysis.rejected if p.velocity * sign > 0.0]
     speeds = [abs(p.velocity) for p in (*points, *rejected)]
@@ -51,9 +51,9 @@ def _direction(analysis: SweepAnalysis, result: IdentificationResult, sign: int,
     if network:
         followed = sign * np.asarray(result.network.torque(sign * speed, load))
         marks.append(Line(speed, followed, "exported network", color=NETWORK, stroke="dashed", width=1.2))
-    marks.append(_points(points, sign, "plateaus", MEASURED))
+    marks.append(_draw_points(points, sign, "plateaus", MEASURED))
     if rejected:
-        marks.append(_points(rejected, sign, "rejected", REJECTED, hollow=True))
+        marks.append(_draw_points(rejected, sign, "rejected", REJECTED, hollow=True))
     static = analysis.static_torque(sign)
     if static is not None:
         marks.append(Rule(static.value, "y", "breakaway", color=3))
@@ -63,7 +63,7 @@ def _direction(analysis: SweepAnalysis, result: IdentificationResult, sign: int,
     return Panel(tuple(marks), *labels, title, x_scale="log")
 
 
-def _points(points: Sequence[FrictionPoint], sign: int, label: str, color: int, *, hollow: bool = False) -> Points:
+def _draw_points(points: Sequence[FrictionPoint], sign: int, label: str, color: int, *, hollow: bool = False) -> Points:
     return Points(
         np.array([abs(p.velocity) for p in points]),
         np.array([sign * p.torque for p in points]),

@@ -98,17 +98,17 @@ def fit_gravity(parts: Sequence[SettledPart]) -> GravityFit | None:
     used = [part for part, span in zip(parts, spans, strict=True) if span > LONG * max(spans) and len(part.samples) > 1]
     if len(used) < FEWEST_PARTS:
         return None
-    rows = _rows(used)
+    rows = _build_rows(used)
     middle = 0.5 * float(rows.position.max() + rows.position.min())
     half = 0.5 * float(np.ptp(rows.position))
     lag, deviation, coefficients = 0.0, np.inf, np.zeros(GRAVITY_DEGREE + 1)
     for _ in range(STEPS):
         step, deviation, coefficients = _improve(rows, lag, middle, half)
         lag = float(np.clip(lag + step, -LARGEST, LARGEST))
-    return GravityFit(*_believe(lag, deviation), coefficients, middle, half)
+    return GravityFit(*_weigh_belief(lag, deviation), coefficients, middle, half)
 
 
-def _believe(lag: float, deviation: float) -> tuple[float, float, bool]:
+def _weigh_belief(lag: float, deviation: float) -> tuple[float, float, bool]:
     """Age and standard error [s] from what was measured and what can be, and whether the measurement had a say."""
     usual, spread = LAG_PRIOR
     deviation = float(np.hypot(deviation, LEAST))
@@ -136,10 +136,10 @@ def _improve(rows: _Rows, lag: float, middle: float, half: float) -> tuple[float
         return 0.0, float("inf"), coefficients
     step = float(change @ torque) / power
     left = torque - columns @ found - step * change
-    return step, _error(rows, change, left) / power, coefficients
+    return step, _compute_error(rows, change, left) / power, coefficients
 
 
-def _error(rows: _Rows, change: FloatArray, left: FloatArray) -> float:
+def _compute_error(rows: _Rows, change: FloatArray, left: FloatArray) -> float:
     """Standard deviation of what errors, alike over a section of the way, do to change @ torque."""
     n_parts = int(rows.part.max()) + 1
     sums = np.bincount(rows.part * SECTIONS + rows.section, weights=change * left, minlength=n_parts * SECTIONS)
@@ -147,7 +147,7 @@ def _error(rows: _Rows, change: FloatArray, left: FloatArray) -> float:
     return float(np.sqrt(np.sum(sums**2) * count / (count - 1)))
 
 
-def _rows(parts: Sequence[SettledPart]) -> _Rows:
+def _build_rows(parts: Sequence[SettledPart]) -> _Rows:
     position = [part.samples.position for part in parts]
     speed = [np.full(len(q), (q[-1] - q[0]) / part.samples.duration) for part, q in zip(parts, position, strict=True)]
     section = [np.arange(len(q)) * SECTIONS // len(q) for q in position]

@@ -96,7 +96,7 @@ def _measure(part: SettledPart, offset: float, lag: float, quantum: float, torqu
     return FrictionPoint(
         number=part.number,
         time=float(samples.time.mean()),
-        velocity=_mean_velocity(samples.time, samples.position),
+        velocity=_fit_mean_velocity(samples.time, samples.position),
         torque=mean.value,
         deviation=mean.deviation,
         duration=samples.duration,
@@ -110,7 +110,7 @@ def _measure(part: SettledPart, offset: float, lag: float, quantum: float, torqu
     )
 
 
-def _mean_velocity(time: FloatArray, position: FloatArray) -> float:
+def _fit_mean_velocity(time: FloatArray, position: FloatArray) -> float:
     """Slope of the straight line through the positions [rad/s] or [m/s]."""
     centred = time - time.mean()
     return float(centred @ position / (centred @ centred))

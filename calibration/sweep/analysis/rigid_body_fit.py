@@ -43,7 +43,7 @@ def fit_rigid_body(blocks: Iterable[Recording]) -> RigidBodyFit:
     """
     normal, right, scales = np.zeros((2, 2)), np.zeros(2), []
     for block in blocks:
-        found = _reduced(block)
+        found = _reduce(block)
         if found is not None:
             columns, rest = found
             normal += columns.T @ columns
@@ -56,7 +56,7 @@ def fit_rigid_body(blocks: Iterable[Recording]) -> RigidBodyFit:
     return RigidBodyFit(float(-rate), 1.0 + float(scale), deviation, len(scales))
 
 
-def _reduced(block: Recording) -> tuple[FloatArray, FloatArray] | None:
+def _reduce(block: Recording) -> tuple[FloatArray, FloatArray] | None:
     """R, R' and the rest of the torque with level, direction and speed taken out; None for a motion that is slow."""
     load, reference = block.load_torque, block.velocity_reference
     if load is None or reference is None or len(block) < 100:

@@ -101,7 +101,7 @@ def judge_plateau(
         return "short"
     if np.mean(np.abs(torque) >= SATURATED * torque_limit) > 0.01:
         return "saturated"
-    speeds = _window_speeds(time, position, velocity, quantum)
+    speeds = _average_windows(time, position, velocity, quantum)
     if len(speeds) < 3:
         return "short"
     swings = np.std(torque) > SWING * abs(float(np.mean(torque)))
@@ -112,7 +112,7 @@ def judge_plateau(
     return "steady"
 
 
-def _window_speeds(time: FloatArray, position: FloatArray, velocity: float, quantum: float) -> FloatArray:
+def _average_windows(time: FloatArray, position: FloatArray, velocity: float, quantum: float) -> FloatArray:
     """Mean speed of windows as a fraction of the speed asked for. Shape (n_windows,)."""
     gaps = np.diff(time)
     usual = float(np.median(gaps))

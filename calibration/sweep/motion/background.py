@@ -30,7 +30,7 @@ def in_background(
     Raises:
         BaseException: What `serve` or `work` raises; the former if both do.
     """
-    with _quick_switching(), ThreadPoolExecutor(1, "sweep") as executor:
+    with _switch_quickly(), ThreadPoolExecutor(1, "sweep") as executor:
         try:
             future = executor.submit(work)
             serve(future.done)
@@ -41,7 +41,7 @@ def in_background(
 
 
 @contextmanager
-def _quick_switching() -> Iterator[None]:
+def _switch_quickly() -> Iterator[None]:
     before = sys.getswitchinterval()
     sys.setswitchinterval(min(before, SWITCH_INTERVAL))
     try:

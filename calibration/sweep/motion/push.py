@@ -81,7 +81,7 @@ def push_joint(runner: MotionRunner, context: SweepContext, travel: Travel) -> P
     """
     limit = context.settings.check_torque * context.adapter.options.limits[context.joint].torque
     runner.start(context.make_check_loop(runner.period, runner.feedback.position))
-    start, base, enough = runner.position, _gravity_here(runner, context), ENOUGH * travel.length
+    start, base, enough = runner.position, _compute_gravity_here(runner, context), ENOUGH * travel.length
     direction = 1.0 if start <= travel.middle else -1.0
 
     def torque(time: float) -> float | None:
@@ -92,7 +92,7 @@ def push_joint(runner: MotionRunner, context: SweepContext, travel: Travel) -> P
     log = runner.apply_torque(torque)
     has_moved = abs(runner.position - start) > enough
     if has_moved:
-        _coast(runner, _find_still(travel), base)
+        _let_coast(runner, _find_still(travel), base)
     runner.stop()  # no loop may be closed over unknown signs
     return Push(log, limit, has_moved)
 
@@ -102,7 +102,7 @@ def _find_still(travel: Travel) -> float:
     return max(STILL * travel.length, COUNTS * travel.quantum)
 
 
-def _coast(runner: MotionRunner, still: float, base: float) -> None:
+def _let_coast(runner: MotionRunner, still: float, base: float) -> None:
     """Let go of a joint that the last torque has torn loose, at the torque `base`, as long as that slows it down.
 
     A drive's own loop would brake it with more torque than its limit. One that falls gains speed, and is left to the
@@ -122,7 +122,7 @@ def _coast(runner: MotionRunner, still: float, base: float) -> None:
         before = moved
 
 
-def _gravity_here(runner: MotionRunner, context: SweepContext) -> float:
+def _compute_gravity_here(runner: MotionRunner, context: SweepContext) -> float:
     body, here = context.body, np.array([runner.feedback.position])
     if body is None:
         return 0.0

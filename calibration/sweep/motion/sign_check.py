@@ -49,13 +49,13 @@ def check_signs(samples: Recording, *, torque_is_echo: bool) -> SignCheck:
             f"joint {joint!r} moved by {moved:+.3g} under {pushed:+.3g}: torque and position count in opposite "
             "directions; set sign = -1 in the joint's transmission"
         )
-    velocity_ratio = _velocity_ratio(samples, moved)
+    velocity_ratio = _measure_velocity_ratio(samples, moved)
     if velocity_ratio is not None and not LOWEST_RATIO < velocity_ratio < HIGHEST_RATIO:
         raise SweepAborted(
             f"joint {joint!r}: the reported velocity adds up to {velocity_ratio:.3g} times the distance travelled; "
             "check its unit (57.3 is degrees against radians, 6.28 turns) and its sign"
         )
-    torque_ratio = None if torque_is_echo else _torque_ratio(samples, command)
+    torque_ratio = None if torque_is_echo else _measure_torque_ratio(samples, command)
     if torque_ratio is not None and not LOWEST_RATIO < torque_ratio < HIGHEST_RATIO:
         raise SweepAborted(
             f"joint {joint!r}: the reported torque is {torque_ratio:.3g} times the commanded one; check gear ratio, "
@@ -64,13 +64,13 @@ def check_signs(samples: Recording, *, torque_is_echo: bool) -> SignCheck:
     return SignCheck(pushed, moved, velocity_ratio, torque_ratio)
 
 
-def _velocity_ratio(samples: Recording, moved: float) -> float | None:
+def _measure_velocity_ratio(samples: Recording, moved: float) -> float | None:
     if samples.velocity is None or moved == 0.0:
         return None
     return float(np.trapezoid(samples.velocity, samples.time) / moved)
 
 
-def _torque_ratio(samples: Recording, command: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float | None:
+def _measure_torque_ratio(samples: Recording, command: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float | None:
     """Slope of reported over commanded torque, free of an offset."""
     centred = command - command.mean()
     power = float(centred @ centred)

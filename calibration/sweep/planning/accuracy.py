@@ -51,14 +51,14 @@ def expected_deviations(plan: SweepPlan, assumption: Assumption) -> dict[str, fl
     velocity = np.array([plateau.velocity for plateau in plan.plateaus])
     samples = np.array([plateau.dwell for plateau in plan.plateaus]) * assumption.sample_rate
     deviation = assumption.torque_noise / np.sqrt(samples)
-    scaled = _relative_jacobian(assumption.law, names, velocity) / deviation[:, None]
+    scaled = _compute_relative_jacobian(assumption.law, names, velocity) / deviation[:, None]
     return dict(zip(names, compute_log_deviations(scaled.T @ scaled).tolist(), strict=True))
 
 
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
 
 
-def _relative_jacobian(law: FrictionLaw, names: list[str], velocity: FloatArray) -> FloatArray:
+def _compute_relative_jacobian(law: FrictionLaw, names: list[str], velocity: FloatArray) -> FloatArray:
     """Derivative of the torque by the logarithm of each parameter. Shape (n_plateaus, n_names)."""
     step, values = 1e-5, law.parameters()
     columns = []

@@ -193,8 +193,8 @@ def plan_plateaus(
     for visit, speed in enumerate(visits):
         shape = _shape(speed, travel, settings, place=visit % settings.positions)
         sign = int(generator.choice([-1, 1]))
-        out = _centred(shape, sign * speed, first + len(plateaus))
-        plateaus += [out, replace(_centred(shape, -sign * speed, out.number + 1), is_return=True)]
+        out = _centre(shape, sign * speed, first + len(plateaus))
+        plateaus += [out, replace(_centre(shape, -sign * speed, out.number + 1), is_return=True)]
     return SweepPlan(tuple(plateaus), travel)
 
 
@@ -219,7 +219,7 @@ def plan_velocities(
     mixed = [v for pair in zip_longest(forward, reverse) for v in pair if v is not None]
     shapes = [_shape(abs(v), travel, settings) for v in mixed]
     return SweepPlan(
-        tuple(_centred(s, v, first + i) for i, (s, v) in enumerate(zip(shapes, mixed, strict=True))), travel
+        tuple(_centre(s, v, first + i) for i, (s, v) in enumerate(zip(shapes, mixed, strict=True))), travel
     )
 
 
@@ -247,7 +247,7 @@ def _shape(speed: float, travel: Travel, settings: SweepSettings, place: int = 0
     return _Shape(centre, settings.ramp, settle, dwell)
 
 
-def _centred(shape: _Shape, velocity: float, number: int) -> Plateau:
+def _centre(shape: _Shape, velocity: float, number: int) -> Plateau:
     start = shape.centre - 0.5 * velocity * (shape.ramp + shape.settle + shape.dwell)
     return Plateau(number, velocity, start, shape.ramp, shape.settle, shape.dwell)
 

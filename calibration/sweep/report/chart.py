@@ -24,24 +24,24 @@ def calibration_charts(calibration: Calibration) -> dict[str, Chart]:
     ]
     traces = calibration.estimate.result.traces
     if traces is not None and len(traces.data_loss) > 1:
-        charts.append(training_chart(traces, _units(calibration)[1]))
+        charts.append(training_chart(traces, _get_units(calibration)[1]))
     return {chart.name: chart for chart in charts}
 
 
 def acquisition(calibration: Calibration) -> Chart:
     """Position, velocity and torque over the whole run."""
-    unit, blocks = _units(calibration), calibration.data.blocks
-    time = _joined([samples.time for _, samples in blocks])
-    position = _joined([samples.position for _, samples in blocks])
-    torque = _joined([samples.torque for _, samples in blocks])
-    reference = _joined([np.zeros(len(s)) if s.velocity_reference is None else s.velocity_reference for _, s in blocks])
+    unit, blocks = _get_units(calibration), calibration.data.blocks
+    time = _join([samples.time for _, samples in blocks])
+    position = _join([samples.position for _, samples in blocks])
+    torque = _join([samples.torque for _, samples in blocks])
+    reference = _join([np.zeros(len(s)) if s.velocity_reference is None else s.velocity_reference for _, s in blocks])
     panels = (
         Panel((Line(time, position, width=1.0),), "time [s]", f"position [{unit[0]}]", "Position"),
         Panel(
             (Line(time, reference, color=2, width=1.0),), "time [s]", f"velocity [{unit[0]}/s]", "Velocity reference"
         ),
         Panel(
-            (Line(time, torque, "torque", color=5, width=0.8), _friction_over_time(calibration)),
+            (Line(time, torque, "torque", color=5, width=0.8), _draw_friction_over_time(calibration)),
             "time [s]",
             f"torque [{unit[1]}]",
             "Torque, and the friction of each plateau",
@@ -51,7 +51,7 @@ def acquisition(calibration: Calibration) -> Chart:
     return Chart("acquisition", "Data acquisition over time", panels, caption=caption, panel_height=210, share_x=True)
 
 
-def _friction_over_time(calibration: Calibration) -> Points:
+def _draw_friction_over_time(calibration: Calibration) -> Points:
     points = calibration.analysis.steady
     return Points(
         np.array([p.time for p in points]), np.array([p.torque for p in points]), "friction", color=MEASURED, size=4.0
@@ -60,7 +60,7 @@ def _friction_over_time(calibration: Calibration) -> Points:
 
 def residuals(calibration: Calibration) -> Chart:
     """What the identified curve leaves of the points, over speed and over time."""
-    unit, points = _units(calibration), calibration.analysis.steady
+    unit, points = _get_units(calibration), calibration.analysis.steady
     model = calibration.estimate.result.model
     left = 1e3 * np.array([p.torque - float(model.torque(p.velocity, normal_load=p.normal_load)) for p in points])
     reach = REACH * 1e3 * float(np.median(calibration.estimate.deviation[: len(points)]))
@@ -95,11 +95,11 @@ def correlations(calibration: Calibration) -> Chart:
     return Chart("correlation", "Correlation of the parameters", (Panel((grid,), "", ""),), panel_height=420)
 
 
-def _joined(columns: Sequence[FloatArray]) -> FloatArray:
+def _join(columns: Sequence[FloatArray]) -> FloatArray:
     """Blocks one after the other with a gap between them. Shape (n_samples + n_blocks,)."""
     return np.concatenate([np.append(column, np.nan) for column in columns])
 
 
-def _units(calibration: Calibration) -> tuple[str, str]:
+def _get_units(calibration: Calibration) -> tuple[str, str]:
     metadata = calibration.analysis.metadata
     return metadata.position_unit, metadata.torque_unit

@@ -33,23 +33,23 @@ def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:
     """All checks of a calibration."""
     analysis = calibration.analysis
     checks = [
-        _signs(calibration.signs),
-        _offset(analysis),
-        _plateaus(analysis),
-        _drift(analysis),
-        *_breakaway(calibration),
+        _check_signs(calibration.signs),
+        _check_offset(analysis),
+        _check_plateaus(analysis),
+        _check_drift(analysis),
+        *_check_breakaway(calibration),
         compensation_check(analysis),
-        _rigid_body(analysis),
-        _age(analysis),
-        _unit(analysis),
-        _convergence(calibration),
+        _check_rigid_body(analysis),
+        _check_age(analysis),
+        _check_unit(analysis),
+        _check_convergence(calibration),
         _fit(calibration),
-        _timing(calibration),
+        _check_timing(calibration),
     ]
     return tuple(check for check in checks if check is not None)
 
 
-def _signs(signs: SignCheck | None) -> Check:
+def _check_signs(signs: SignCheck | None) -> Check:
     if signs is None:
         return Check("Signs and scales", "note", "not checked: the drive takes no torque commands")
     ratios = [
@@ -61,7 +61,7 @@ def _signs(signs: SignCheck | None) -> Check:
     return Check("Signs and scales", "passed", said)
 
 
-def _offset(analysis: SweepAnalysis) -> Check:
+def _check_offset(analysis: SweepAnalysis) -> Check:
     offset, unit = analysis.offset, analysis.metadata.torque_unit
     if offset.deviation == 0.0:
         return Check(
@@ -72,7 +72,7 @@ def _offset(analysis: SweepAnalysis) -> Check:
     )
 
 
-def _plateaus(analysis: SweepAnalysis) -> Check:
+def _check_plateaus(analysis: SweepAnalysis) -> Check:
     rejected, total = analysis.rejected, len(analysis.points)
     if not rejected:
         return Check("Plateaus", "passed", f"all {total} settled and slid steadily")
@@ -83,7 +83,7 @@ def _plateaus(analysis: SweepAnalysis) -> Check:
     return Check("Plateaus", outcome, f"{len(rejected)} of {total} rejected ({reasons}), at {speeds}")
 
 
-def _drift(analysis: SweepAnalysis) -> Check | None:
+def _check_drift(analysis: SweepAnalysis) -> Check | None:
     if not analysis.drift:
         return None
     level = float(np.median([abs(p.torque) for p in analysis.steady])) if analysis.steady else 1.0
@@ -94,7 +94,7 @@ def _drift(analysis: SweepAnalysis) -> Check | None:
     return Check("Drift", "warning" if moved else "passed", said + (": warm up longer" if moved else ""))
 
 
-def _breakaway(calibration: Calibration) -> list[Check]:
+def _check_breakaway(calibration: Calibration) -> list[Check]:
     found, analysis, model = [], calibration.analysis, calibration.estimate.result.model
     sides = [(1, "Breakaway, forward"), (-1, "Breakaway, reverse")]
     if analysis.torque_source == HALF_DIFFERENCE:
@@ -138,7 +138,7 @@ def compensation_check(analysis: SweepAnalysis) -> Check | None:
     return Check(name, "passed", seen)
 
 
-def _rigid_body(analysis: SweepAnalysis) -> Check | None:
+def _check_rigid_body(analysis: SweepAnalysis) -> Check | None:
     fit = analysis.rigid_body
     if not fit.motions:
         return None
@@ -150,7 +150,7 @@ def _rigid_body(analysis: SweepAnalysis) -> Check | None:
     return Check("Rigid-body model", "warning" if wrong else "passed", said)
 
 
-def _age(analysis: SweepAnalysis) -> Check | None:
+def _check_age(analysis: SweepAnalysis) -> Check | None:
     """How old the torque is, where gravity is known from the mean of both directions only."""
     gravity = analysis.gravity
     if gravity is None or not analysis.steady:
@@ -169,7 +169,7 @@ def _age(analysis: SweepAnalysis) -> Check | None:
     )
 
 
-def _unit(analysis: SweepAnalysis) -> Check | None:
+def _check_unit(analysis: SweepAnalysis) -> Check | None:
     unit = analysis.metadata.torque_unit
     if unit in ("N·m", "N"):
         return None
@@ -181,7 +181,7 @@ def _unit(analysis: SweepAnalysis) -> Check | None:
     )
 
 
-def _convergence(calibration: Calibration) -> Check:
+def _check_convergence(calibration: Calibration) -> Check:
     result = calibration.estimate.result
     outcome: Outcome = "passed" if result.status == Status.CONVERGED else "warning"
     if find_doubt_in_status(result.status, "") is not None:
@@ -199,6 +199,6 @@ def _fit(calibration: Calibration) -> Check:
     return Check("Scatter about the curve", outcome, f"{level:.2g} {unit}, {level / scale:.2%} of the largest friction")
 
 
-def _timing(calibration: Calibration) -> Check:
+def _check_timing(calibration: Calibration) -> Check:
     late = calibration.late_cycles
     return Check("Timing", "passed" if late == 0 else "note", f"{late} cycles of the loop missed")

@@ -40,7 +40,7 @@ def parameter_table(calibration: Calibration) -> Table:
     for name in result.parameter_names:
         interval, value = result.interval(name), result.parameters[name]
         at_bound = name in result.at_bound
-        digits = _digits(value, interval.upper - interval.lower)
+        digits = _count_digits(value, interval.upper - interval.lower)
         rows.append(
             (
                 words(name),
@@ -53,7 +53,7 @@ def parameter_table(calibration: Calibration) -> Table:
     return Table(("parameter", "value", "95 % interval", "unit", "standard deviation"), tuple(rows))
 
 
-def _digits(value: float, width: float) -> int:
+def _count_digits(value: float, width: float) -> int:
     """Decimals that show the interval's width with two figures."""
     size = width if width > 0.0 else abs(value) * 1e-6
     return int(np.clip(1 - np.floor(np.log10(max(size, 1e-12))), 0, 9))
@@ -66,22 +66,22 @@ def calibration_page(
     analysis, result = calibration.analysis, calibration.estimate.result
     sections = [
         Section("Friction curve", (charts["friction-curve"],)),
-        Section("Parameters", (parameter_table(calibration), _parameter_note(calibration), charts["correlation"])),
+        Section("Parameters", (parameter_table(calibration), _describe_parameters(calibration), charts["correlation"])),
         Section("What was checked", checks),
-        Section("Data", (charts["acquisition"], _source_note(calibration))),
+        Section("Data", (charts["acquisition"], _describe_source(calibration))),
         Section("Residuals", (charts["residuals"],)),
         Section("Network", (*((charts["training"],) if "training" in charts else ()), network_note(result))),
-        Section("Plateaus", (_plateau_table(calibration),), folded=True),
+        Section("Plateaus", (_make_plateau_table(calibration),), folded=True),
         Section("How it was made", (Table(("what", "value"), tuple(facts.items())),), folded=True),
     ]
     return ReportPage(
         title=f"Friction of joint {analysis.metadata.joint}",
         subtitle=f"Calibrated {result.model.provenance.created} with fricomp {result.model.provenance.fricomp_version}",
-        summary=_summary(calibration, checks),
+        summary=_write_summary(calibration, checks),
         sections=tuple(sections),
         facts={
             "plateaus used": f"{len(analysis.steady)} of {len(analysis.points)}",
-            "speeds": _speed_range(calibration),
+            "speeds": _format_speed_range(calibration),
             "duration": f"{calibration.data.blocks[-1][1].time[-1]:.0f} s",
             "mean standard deviation": f"{mean_relative_deviation(calibration.estimate):.2%}",
             "method": f"{result.method}, {result.status}",
@@ -91,12 +91,12 @@ def calibration_page(
     )
 
 
-def _speed_range(calibration: Calibration) -> str:
+def _format_speed_range(calibration: Calibration) -> str:
     speeds = [abs(p.velocity) for p in calibration.analysis.points]
     return f"{min(speeds):.3g} to {max(speeds):.3g} {calibration.analysis.metadata.position_unit}/s"
 
 
-def _summary(calibration: Calibration, checks: tuple[Check, ...]) -> tuple[str, ...]:
+def _write_summary(calibration: Calibration, checks: tuple[Check, ...]) -> tuple[str, ...]:
     model, analysis = calibration.estimate.result.model, calibration.analysis
     unit = analysis.metadata.torque_unit
     bad = [check.name.lower() for check in checks if check.outcome in ("warning", "failed")]
@@ -105,10 +105,10 @@ def _summary(calibration: Calibration, checks: tuple[Check, ...]) -> tuple[str, 
         if not bad
         else f"Look at this before you use the model: {', '.join(bad)}."
     )
-    return (_curve_sentence(calibration, unit), verdict, *_asymmetry(model.forward, model.reverse, unit))
+    return (_describe_curve(calibration, unit), verdict, *_describe_asymmetry(model.forward, model.reverse, unit))
 
 
-def _curve_sentence(calibration: Calibration, unit: str) -> str:
+def _describe_curve(calibration: Calibration, unit: str) -> str:
     model, metadata = calibration.estimate.result.model, calibration.analysis.metadata
     forward, reverse = model.forward, model.reverse
     return (
@@ -118,7 +118,7 @@ def _curve_sentence(calibration: Calibration, unit: str) -> str:
     )
 
 
-def _asymmetry(forward: object, reverse: object, unit: str) -> tuple[str, ...]:
+def _describe_asymmetry(forward: object, reverse: object, unit: str) -> tuple[str, ...]:
     a, b = getattr(forward, "coulomb_torque", 0.0), getattr(reverse, "coulomb_torque", 0.0)
     if max(a, b) == 0.0 or abs(a - b) < 0.05 * max(a, b):
         return ()
@@ -126,7 +126,7 @@ def _asymmetry(forward: object, reverse: object, unit: str) -> tuple[str, ...]:
     return (f"Friction is not the same in both directions: {abs(b - a):.2g} {unit} more dry friction in {more}.",)
 
 
-def _parameter_note(calibration: Calibration) -> str:
+def _describe_parameters(calibration: Calibration) -> str:
     offset = calibration.analysis.offset
     return (
         "Intervals hold the scatter of the plateaus, estimated from itself, and what is not known of the zero of the "
@@ -136,7 +136,7 @@ def _parameter_note(calibration: Calibration) -> str:
     )
 
 
-def _source_note(calibration: Calibration) -> str:
+def _describe_source(calibration: Calibration) -> str:
     analysis = calibration.analysis
     at = "" if analysis.mean_load is None else f"; the parameters hold at {analysis.mean_load:.4g}, its mean"
     return (
@@ -145,7 +145,7 @@ def _source_note(calibration: Calibration) -> str:
     )
 
 
-def _plateau_table(calibration: Calibration) -> Table:
+def _make_plateau_table(calibration: Calibration) -> Table:
     analysis = calibration.analysis
     unit = analysis.metadata
     rows = tuple(

@@ -37,7 +37,7 @@ def write_run(calibration: Calibration, folder: RunFolder) -> WrittenRun:
     """
     result, checks = calibration.estimate.result, calibration_checks(calibration)
     files = save_identification(result, folder.path)
-    facts = {**_facts(folder), "hash of the model": files.model_sha256}
+    facts = {**_collect_facts(folder), "hash of the model": files.model_sha256}
     page, pictures = write_calibration_report(calibration, checks, facts, folder.path)
     folder.note(
         "done",
@@ -52,7 +52,7 @@ def write_run(calibration: Calibration, folder: RunFolder) -> WrittenRun:
     return WrittenRun(checks, written, pictures)
 
 
-def _facts(folder: RunFolder) -> dict[str, str]:
+def _collect_facts(folder: RunFolder) -> dict[str, str]:
     request = folder.request
     chosen = {"backend": request.backend, "configuration": str(request.configuration), "model": request.model or "none"}
     settings = {name: str(getattr(request.settings, name)) for name in request.settings.__dataclass_fields__}

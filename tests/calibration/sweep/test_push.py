@@ -62,11 +62,11 @@ class ScriptedRunner:
     ],
 )
 def test_a_joint_is_let_go_while_that_slows_it_down(steps: list[float], left: int) -> None:
-    push._coast(cast(MotionRunner, ScriptedRunner(steps)), 0.001, 0.25)
+    push._let_coast(cast(MotionRunner, ScriptedRunner(steps)), 0.001, 0.25)
     assert len(steps) == left
 
 
 def test_a_joint_that_never_slows_down_is_not_waited_for_without_end() -> None:
     steps = [0.02] * 1000
-    push._coast(cast(MotionRunner, ScriptedRunner(steps)), 0.001, 0.25)
+    push._let_coast(cast(MotionRunner, ScriptedRunner(steps)), 0.001, 0.25)
     assert 1000 - len(steps) == round(push.LONGEST_COAST / push.GLIMPSE)

@@ -114,8 +114,8 @@ def test_visits_to_one_speed_are_held_out_together(monkeypatch: pytest.MonkeyPat
         inside.append(result.observations.velocity[~left_out])
         return original(result, left_out)
 
-    original = discrepancy._held_out
-    monkeypatch.setattr(discrepancy, "_held_out", record)
+    original = discrepancy._fit_held_out
+    monkeypatch.setattr(discrepancy, "_fit_held_out", record)
     monkeypatch.setattr(discrepancy, "train_towards", lambda network, *_: network)
     fit_discrepancy(_repeated(speeds=12, visits=3))
     assert sum(len(velocity) for velocity in outside) == 72
