@@ -116,7 +116,8 @@ def compute_creep_friction(driven: float, level: float, speed: float, sharpness:
     """
     bend = speed * sharpness * (2.0 - sharpness) + level * slip
     wide = abs(driven) + speed + level * slip
-    return 2.0 * level * driven / (wide + np.sqrt(max(wide * wide - 4.0 * bend * abs(driven), 0.0)))
+    friction: float = 2.0 * level * driven / (wide + np.sqrt(max(wide * wide - 4.0 * bend * abs(driven), 0.0)))
+    return friction
 
 
 @_inline
