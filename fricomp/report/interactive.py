@@ -61,8 +61,10 @@ def draw_interactive(chart: Chart) -> str:
         place = {"row": number // chart.columns + 1, "col": number % chart.columns + 1}
         _draw_panel(figure, panel, place, number, shown)
     drawn = figure.to_dict()
-    drawn["layout"]["shapes"] = [rule for number, panel in enumerate(chart.panels) for rule in _rules(panel, number)]
-    _dress(drawn["layout"], chart, height, lines)
+    drawn["layout"]["shapes"] = [
+        rule for number, panel in enumerate(chart.panels) for rule in _draw_rules(panel, number)
+    ]
+    _set_layout(drawn["layout"], chart, height, lines)
     html: str = to_html(
         drawn,
         validate=False,
@@ -79,7 +81,7 @@ def draw_interactive(chart: Chart) -> str:
     return html
 
 
-def _dress(layout: dict[str, Any], chart: Chart, height: float, lines: tuple[int, ...]) -> None:
+def _set_layout(layout: dict[str, Any], chart: Chart, height: float, lines: tuple[int, ...]) -> None:
     """Fonts, margins, axes, legends, and each panel's title at its left edge.
 
     The layout is a plain dictionary by now: plotly looks through all of a figure on each of its updates, which is most
@@ -95,32 +97,32 @@ def _dress(layout: dict[str, Any], chart: Chart, height: float, lines: tuple[int
         "barmode": "group",
     }
     for number, panel in enumerate(chart.panels):
-        x_axis, y_axis = layout[_axis("xaxis", number)], layout[_axis("yaxis", number)]
-        x_axis |= _axis_look(panel, "x") | _bar_ticks(panel) | _upright_ticks(panel)
-        y_axis |= _axis_look(panel, "y") | ({} if panel.y_range is None else {"range": list(panel.y_range)})
-        layout[_axis("legend", number)] = _legend(y_axis["domain"][1], x_axis["domain"][0])
+        x_axis, y_axis = layout[_name_axis("xaxis", number)], layout[_name_axis("yaxis", number)]
+        x_axis |= _style_axis(panel, "x") | _label_bars(panel) | _turn_ticks(panel)
+        y_axis |= _style_axis(panel, "y") | ({} if panel.y_range is None else {"range": list(panel.y_range)})
+        layout[_name_axis("legend", number)] = _place_legend(y_axis["domain"][1], x_axis["domain"][0])
         if chart.share_x and number < len(chart.panels) - chart.columns:
             del x_axis["title"]
             x_axis["showticklabels"] = False
     titled = [number for number, panel in enumerate(chart.panels) if panel.title]
     for annotation, number in zip_longest(layout.get("annotations", ()), titled):
         if annotation is not None and number is not None:
-            left = layout[_axis("xaxis", number)]["domain"][0]
+            left = layout[_name_axis("xaxis", number)]["domain"][0]
             row = number - number % chart.columns
             shift = 2.0 + _LEGEND_LINE * max(lines[row : row + chart.columns])
             annotation |= {"x": left, "xanchor": "left", "yshift": shift, "font": {"size": 14, "weight": 600}}
 
 
-def _axis(kind: str, number: int) -> str:
+def _name_axis(kind: str, number: int) -> str:
     return kind if number == 0 else f"{kind}{number + 1}"
 
 
 def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, shown: set[tuple[str, str]]) -> None:
-    legend = _axis("legend", number)
+    legend = _name_axis("legend", number)
     for mark, color in zip(panel.marks, panel.colors(), strict=True):
-        for trace in _traces(mark, color):
+        for trace in _draw_traces(mark, color):
             if trace["type"] == "heatmap":
-                trace["colorbar"] = _color_bar(figure, trace["colorbar"], number)
+                trace["colorbar"] = _place_color_bar(figure, trace["colorbar"], number)
             else:
                 trace["legend"] = legend
                 if trace["type"] == "bar" and panel.has_lone_bars():
@@ -130,9 +132,9 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
         shown.add((getattr(mark, "label", ""), color))
 
 
-def _rules(panel: Panel, number: int) -> list[dict[str, Any]]:
+def _draw_rules(panel: Panel, number: int) -> list[dict[str, Any]]:
     """Lines across a panel. As plain dictionaries, since plotly looks through all of a figure for each that it adds."""
-    along = {axis: _axis(axis, number) for axis in ("x", "y")}
+    along = {axis: _name_axis(axis, number) for axis in ("x", "y")}
     rules = []
     for mark, color in zip(panel.marks, panel.colors(), strict=True):
         if isinstance(mark, Rule):
@@ -143,24 +145,24 @@ def _rules(panel: Panel, number: int) -> list[dict[str, Any]]:
     return rules
 
 
-def _axis_look(panel: Panel, axis: str) -> dict[str, Any]:
+def _style_axis(panel: Panel, axis: str) -> dict[str, Any]:
     label, scale = (panel.x_label, panel.x_scale) if axis == "x" else (panel.y_label, panel.y_scale)
-    return {"title": {"text": label, "standoff": 8}, "type": _type(panel, axis), **_AXIS, **_log_ticks(scale)}
+    return {"title": {"text": label, "standoff": 8}, "type": _choose_type(panel, axis), **_AXIS, **_log_ticks(scale)}
 
 
-def _upright_ticks(panel: Panel) -> dict[str, Any]:
+def _turn_ticks(panel: Panel) -> dict[str, Any]:
     crowded = any(len(mark.x_names) > CROWDED for mark in panel.marks if isinstance(mark, HeatMap))
     return {"tickangle": -90} if crowded else {}
 
 
-def _type(panel: Panel, axis: str) -> str:
+def _choose_type(panel: Panel, axis: str) -> str:
     for mark in panel.marks:
         if isinstance(mark, HeatMap) and getattr(mark, f"{axis}_names"):
             return "category"
     return panel.x_scale if axis == "x" else panel.y_scale
 
 
-def _bar_ticks(panel: Panel) -> dict[str, Any]:
+def _label_bars(panel: Panel) -> dict[str, Any]:
     """Names below the bars. Bars stand at their number: plotly stacks those that share a name as a category."""
     names = max((mark.categories for mark in panel.marks if isinstance(mark, Bars)), key=len, default=())
     if not names:
@@ -176,7 +178,7 @@ def _log_ticks(scale: str) -> dict[str, Any]:
     return {"dtick": 1, "exponentformat": "power", "minor": {"ticks": "outside"}} if scale == "log" else {}
 
 
-def _legend(top: float, left: float) -> dict[str, Any]:
+def _place_legend(top: float, left: float) -> dict[str, Any]:
     """Above the panel, below its title."""
     return {
         "orientation": "h", "x": left, "xanchor": "left", "y": top, "yanchor": "bottom", "font": {"size": 12},
@@ -184,13 +186,13 @@ def _legend(top: float, left: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _color_bar(figure: Any, bar: dict[str, Any], number: int) -> dict[str, Any]:
-    low, high = figure.layout[_axis("yaxis", number)].domain
-    right = figure.layout[_axis("xaxis", number)].domain[1]
+def _place_color_bar(figure: Any, bar: dict[str, Any], number: int) -> dict[str, Any]:
+    low, high = figure.layout[_name_axis("yaxis", number)].domain
+    right = figure.layout[_name_axis("xaxis", number)].domain[1]
     return bar | {"len": high - low, "y": (low + high) / 2.0, "x": right, "xanchor": "left", "thickness": 14}
 
 
-def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
+def _draw_traces(mark: Mark, color: str) -> list[dict[str, Any]]:
     named = {"name": getattr(mark, "label", ""), "showlegend": bool(getattr(mark, "label", ""))}
     match mark:
         case Line():
@@ -202,15 +204,21 @@ def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
             marker = {"color": color, "size": mark.size * 1.35, "symbol": symbol}
             x, y = _shorten(mark.x), _shorten(mark.y)
             points = {"type": "scatter", "mode": "markers", "x": x, "y": y, "marker": marker, **named}
-            return [points | _error(mark)]
+            return [points | _draw_error(mark)]
         case Band():
             x, low, high = _shorten(mark.x), _shorten(mark.low), _shorten(mark.high)
             edge = {"type": "scatter", "mode": "lines", "x": x, "line": {"width": 0}, "hoverinfo": "skip"}
-            fill = {"fill": "tonexty", "fillcolor": f"rgba({_rgb(color)},0.22)", **named}
+            fill = {"fill": "tonexty", "fillcolor": f"rgba({_format_rgb(color)},0.22)", **named}
             return [{**edge, "y": low, "name": "", "showlegend": False}, {**edge, "y": high, **fill}]
         case Bars():
-            bars = {"type": "bar", "x": list(range(len(mark.categories))), "y": mark.values, **_hover(mark), **named}
-            return [bars | {"marker": {"color": color}} | _error(mark)]
+            bars = {
+                "type": "bar",
+                "x": list(range(len(mark.categories))),
+                "y": mark.values,
+                **_write_hover(mark),
+                **named,
+            }
+            return [bars | {"marker": {"color": color}} | _draw_error(mark)]
         case HeatMap():
             scale: dict[str, Any] = {"colorscale": "Viridis", "showscale": bool(mark.color_label)}
             if mark.diverging:
@@ -236,12 +244,12 @@ def _shorten(values: Values) -> NDArray[Any]:
     return short if off <= _UNSEEN * span else values
 
 
-def _hover(mark: Bars) -> dict[str, Any]:
+def _write_hover(mark: Bars) -> dict[str, Any]:
     """The category's name beside the value, in place of its number."""
     return {"customdata": mark.categories, "hovertemplate": "%{customdata}: %{y}<extra>%{fullData.name}</extra>"}
 
 
-def _error(mark: Points | Bars) -> dict[str, Any]:
+def _draw_error(mark: Points | Bars) -> dict[str, Any]:
     if mark.error is None:
         return {}
     look = (
@@ -250,5 +258,5 @@ def _error(mark: Points | Bars) -> dict[str, Any]:
     return {"error_y": {"type": "data", "array": mark.error, **look}}
 
 
-def _rgb(color: str) -> str:
+def _format_rgb(color: str) -> str:
     return ",".join(str(int(color[i : i + 2], 16)) for i in (1, 3, 5))

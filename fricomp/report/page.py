@@ -127,7 +127,7 @@ def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
         lstrip_blocks=True,
     )
     sections = [
-        {"title": section.title, "folded": section.folded, "blocks": [_block(block) for block in section.blocks]}
+        {"title": section.title, "folded": section.folded, "blocks": [_render_block(block) for block in section.blocks]}
         for section in page.sections
     ]
     has_charts = any(isinstance(block, Chart) for section in page.sections for block in section.blocks)
@@ -138,7 +138,7 @@ def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def _block(block: Block) -> dict[str, Any]:
+def _render_block(block: Block) -> dict[str, Any]:
     match block:
         case str():
             return {"kind": "text", "text": block}

@@ -60,7 +60,7 @@ def draw_png(chart: Chart, path: str | os.PathLike[str]) -> Path:
         OutputError: The file cannot be written.
     """
     target = Path(path)
-    with _styled():
+    with _apply_style():
         _save(_draw(chart), target)
     return target
 
@@ -71,13 +71,13 @@ def draw_figure(chart: Chart) -> Figure:
     Raises:
         MissingExtraError: matplotlib is not installed.
     """
-    with _styled():
+    with _apply_style():
         figure = _draw(chart)
         figure.draw_without_rendering()  # ticks are made when they are first drawn, in the style of that moment
     return figure
 
 
-def _styled() -> AbstractContextManager[None]:
+def _apply_style() -> AbstractContextManager[None]:
     with needing("matplotlib", "report"):
         from matplotlib import rc_context
     return rc_context(_STYLE)
@@ -86,9 +86,9 @@ def _styled() -> AbstractContextManager[None]:
 def _draw(chart: Chart) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    lines = _row_lines(chart)
+    lines = _count_legend_lines(chart)
     height = chart.rows * chart.panel_height + 70 + sum(lines[:: chart.columns]) * _LEGEND_LINE
-    figure = _shown_figure()(figsize=(_WIDTH, height / 100.0), layout="constrained")
+    figure = _make_shown_figure()(figsize=(_WIDTH, height / 100.0), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(chart.title, x=0.01, ha="left", fontsize=14, fontweight="bold")
     axes = list(figure.subplots(chart.rows, chart.columns, squeeze=False, sharex=chart.share_x).flat)
@@ -102,7 +102,7 @@ def _draw(chart: Chart) -> Figure:
 
 
 @cache
-def _shown_figure() -> type[Figure]:
+def _make_shown_figure() -> type[Figure]:
     """A figure that a notebook shows by itself, without a call that chooses a backend."""
     from matplotlib.figure import Figure
 
@@ -133,7 +133,7 @@ def _render(figure: Any) -> Image:
     return fromarray(np.array(figure.canvas.buffer_rgba())[:, :, :3])
 
 
-def _row_lines(chart: Chart) -> list[int]:
+def _count_legend_lines(chart: Chart) -> list[int]:
     """Lines of legend above each panel: those of the panel of its row that has most."""
     lines = chart.legend_lines(_LETTER, _SYMBOL, 0.9 * 100.0 * _WIDTH)
     starts = [number - number % chart.columns for number in range(len(lines))]
@@ -142,7 +142,7 @@ def _row_lines(chart: Chart) -> list[int]:
 
 def _draw_panel(figure: Any, ax: Any, panel: Panel, named: tuple[str, ...], above: int) -> None:
     for order, (mark, color) in enumerate(zip(panel.marks, panel.colors(), strict=True)):
-        _draw_mark(figure, ax, mark, color, _bar_place(panel, order))
+        _draw_mark(figure, ax, mark, color, _place_bars(panel, order))
     ax.set_xlabel(panel.x_label)
     ax.set_ylabel(panel.y_label)
     room = above * _LEGEND_LINE * _POINT
@@ -197,7 +197,7 @@ def _draw_mark(figure: Any, ax: Any, mark: Mark, color: str, bar_place: tuple[fl
             offset, width = bar_place
             places = np.arange(len(mark.categories))
             ax.bar(places + offset, mark.values, width, yerr=mark.error, color=color, label=label, capsize=2)
-            ax.set_xticks(places, mark.categories, **_slant(mark.categories))
+            ax.set_xticks(places, mark.categories, **_turn_names(mark.categories))
             ax.grid(axis="x", visible=False)
         case HeatMap():
             _draw_heat_map(figure, ax, mark)
@@ -206,7 +206,7 @@ def _draw_mark(figure: Any, ax: Any, mark: Mark, color: str, bar_place: tuple[fl
             draw(mark.at, color=color, lw=1.1, ls="--", label=label)
 
 
-def _bar_place(panel: Panel, order: int) -> tuple[float, float]:
+def _place_bars(panel: Panel, order: int) -> tuple[float, float]:
     """Where the bars of one mark stand beside those of the others, and their width."""
     bars = [i for i, mark in enumerate(panel.marks) if isinstance(mark, Bars)]
     if order not in bars:
@@ -223,28 +223,28 @@ def _draw_heat_map(figure: Any, ax: Any, mark: HeatMap) -> None:
     if mark.limits is not None:
         limits = {"vmin": mark.limits[0], "vmax": mark.limits[1]}
     colours = "RdBu_r" if mark.diverging else "viridis"
-    mesh = ax.pcolormesh(_edges(mark.x), _edges(mark.y), mark.values, cmap=colours, **limits)
+    mesh = ax.pcolormesh(_compute_edges(mark.x), _compute_edges(mark.y), mark.values, cmap=colours, **limits)
     if mark.color_label:
         figure.colorbar(mesh, ax=ax, label=mark.color_label)
     if mark.x_names:
         upright = {"rotation": 90} if len(mark.x_names) > CROWDED else None
-        ax.set_xticks(mark.x, mark.x_names, **(upright or _slant(mark.x_names)))
+        ax.set_xticks(mark.x, mark.x_names, **(upright or _turn_names(mark.x_names)))
     if mark.y_names:
         ax.set_yticks(mark.y, mark.y_names)
     for y, row in zip(mark.y, mark.texts, strict=False):
         for x, text in zip(mark.x, row, strict=True):
-            ax.text(x, y, text, ha="center", va="center", fontsize=7, color="#FFFFFF", path_effects=_outlined())
+            ax.text(x, y, text, ha="center", va="center", fontsize=7, color="#FFFFFF", path_effects=_outline())
     ax.grid(visible=False)
 
 
-def _outlined() -> list[Any]:
+def _outline() -> list[Any]:
     """Dark about light letters, which can be read on every colour."""
     from matplotlib.patheffects import withStroke
 
     return [withStroke(linewidth=1.6, foreground="#222222")]
 
 
-def _edges(centres: np.ndarray) -> np.ndarray:
+def _compute_edges(centres: np.ndarray) -> np.ndarray:
     """Edges of cells about `centres`; a lone cell is one wide."""
     if centres.size < 2:
         return np.concatenate([centres - 0.5, centres + 0.5])
@@ -252,6 +252,6 @@ def _edges(centres: np.ndarray) -> np.ndarray:
     return np.concatenate([[2.0 * centres[0] - between[0]], between, [2.0 * centres[-1] - between[-1]]])
 
 
-def _slant(names: tuple[str, ...]) -> dict[str, Any]:
+def _turn_names(names: tuple[str, ...]) -> dict[str, Any]:
     """Upright where names are few and short."""
     return {"rotation": 25, "ha": "right"} if len(names) * max(map(len, names)) > 60 else {}

@@ -76,8 +76,8 @@ class OnlineAdaptation:
         self._curves = trusted_curves(compensator.model)
         terms = self._curves.extra
         self._extra = build_steady(terms, compensator.settings) if terms else None
-        self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
-        self._viscous_bounds = self._settings.viscous_bounds or _identified(compensator, "viscous_coefficient")
+        self._dry_bounds = self._settings.dry_bounds or _find_interval(compensator, "coulomb_torque")
+        self._viscous_bounds = self._settings.viscous_bounds or _find_interval(compensator, "viscous_coefficient")
         known = self._settings.sliding_velocity
         fast = known if known is not None else _SLIDING_SPEEDS * (self._curves.stribeck_velocity or 0.01)
         self._fast = max([fast, *(term.sliding_speed for term in terms if isinstance(term, DynamicTerm))])
@@ -129,7 +129,9 @@ class OnlineAdaptation:
         if self.frozen:
             return
         try:
-            dry, viscous, held = self._modelled(velocity, position, load_torque, temperature, acceleration, normal_load)
+            dry, viscous, held = self._evaluate_model(
+                velocity, position, load_torque, temperature, acceleration, normal_load
+            )
         except (ArithmeticError, ValueError):  # of inputs far beyond the model, from which a power runs over
             return
         level = friction_torque - held if ahead else held - friction_torque
@@ -146,7 +148,7 @@ class OnlineAdaptation:
             self._information, self._product = information, product
             self._solve()
 
-    def _modelled(
+    def _evaluate_model(
         self,
         velocity: float,
         position: float,
@@ -186,7 +188,7 @@ class OnlineAdaptation:
         self._compensator.set_scale(1.0, 1.0)
 
 
-def _identified(compensator: Compensator, parameter: str) -> tuple[float, float]:
+def _find_interval(compensator: Compensator, parameter: str) -> tuple[float, float]:
     """Widest relative 95 % interval of the parameters of this name."""
     model = compensator.model
     if model.covariance is None:

@@ -96,7 +96,7 @@ def find_temperature_range(model: FrictionModel, curves: FrictionCurves) -> tupl
     for term in curves.extra:
         if not isinstance(term, ThermalViscous | ThermalFriction):
             continue
-        reach, reference = _thermal_reach(term, curves), term.reference_temperature
+        reach, reference = _compute_thermal_reach(term, curves), term.reference_temperature
         if stated is None:
             low, high = max(low, reference - reach), min(high, reference + reach)
         elif isinstance(term, ThermalViscous) and term.slope > 0.0:
@@ -106,7 +106,7 @@ def find_temperature_range(model: FrictionModel, curves: FrictionCurves) -> tupl
     return None if math.isinf(high - low) and stated is None else (low, max(low, high))
 
 
-def _thermal_reach(term: ThermalViscous | ThermalFriction, curves: FrictionCurves) -> float:
+def _compute_thermal_reach(term: ThermalViscous | ThermalFriction, curves: FrictionCurves) -> float:
     """Change of temperature at which a part of the friction has doubled, one way or the other [K]."""
     if isinstance(term, ThermalViscous):
         parts = [(min(curves.forward.viscous, curves.reverse.viscous), term.slope)]

@@ -43,10 +43,10 @@ def choose_settings(
     _refuse_unknown(given)
     given_model, model = model, bound_friction(model)
     curves = split_law(model.law)
-    velocity_range, range_notes = _velocity_range(model, curves)
-    gain, gain_notes = _gain(model, velocity_range)
+    velocity_range, range_notes = _choose_velocity_range(model, curves)
+    gain, gain_notes = _choose_gain(model, velocity_range)
     authority, authority_notes = compute_authority(model, curves, velocity_range)
-    source, source_notes = _source(curves, loop, f"{model.torque_unit}·s/{model.position_unit}")
+    source, source_notes = _choose_source(curves, loop, f"{model.torque_unit}·s/{model.position_unit}")
     source = given.get("source", source)
     top = max(abs(edge) for edge in velocity_range)
     smoothing = curves.smoothing or min(0.01 * top, 0.1 * (curves.stribeck_velocity or math.inf))
@@ -71,7 +71,7 @@ def choose_settings(
         raise ParameterError(f"a setting is of the wrong kind ({error}) in {given!r}") from error
     found = {"source": source_notes, "gain": gain_notes, "authority": authority_notes}
     notes = [
-        *_doubts(given_model, model),
+        *_list_doubts(given_model, model),
         *range_notes,
         *(note for name, said in found.items() if name not in given for note in said),
     ]
@@ -129,7 +129,7 @@ def _keep_margin(
     return lowered, [f"gain lowered to {lowered.gain:.2f}: a limit cycle would start at gain {limit:.2f}"]
 
 
-def _doubts(given: FrictionModel, bounded: FrictionModel) -> list[str]:
+def _list_doubts(given: FrictionModel, bounded: FrictionModel) -> list[str]:
     doubt, notes = find_doubt(given), []
     if doubt is not None:
         notes.append(f"the model is not usable: {doubt}")
@@ -141,7 +141,7 @@ def _doubts(given: FrictionModel, bounded: FrictionModel) -> list[str]:
     return notes
 
 
-def _velocity_range(model: FrictionModel, curves: FrictionCurves) -> tuple[tuple[float, float], list[str]]:
+def _choose_velocity_range(model: FrictionModel, curves: FrictionCurves) -> tuple[tuple[float, float], list[str]]:
     if model.validity.velocity is not None:
         low, high = model.validity.velocity
         if low < 0.0 < high:
@@ -152,7 +152,7 @@ def _velocity_range(model: FrictionModel, curves: FrictionCurves) -> tuple[tuple
     return (-edge, edge), [f"the model states no range of velocity; compensation fades beyond ±{edge:g}"]
 
 
-def _source(curves: FrictionCurves, loop: LoopDynamics | None, unit: str) -> tuple[Source, list[str]]:
+def _choose_source(curves: FrictionCurves, loop: LoopDynamics | None, unit: str) -> tuple[Source, list[str]]:
     fall, ratio = curves.steepest_fall, curves.static_ratio
     if loop is None:
         risky = ratio > _STICK_SLIP_RATIO and fall > 0.0
@@ -169,7 +169,7 @@ def _source(curves: FrictionCurves, loop: LoopDynamics | None, unit: str) -> tup
     return "blend", [note]
 
 
-def _gain(model: FrictionModel, velocity_range: tuple[float, float]) -> tuple[float, list[str]]:
+def _choose_gain(model: FrictionModel, velocity_range: tuple[float, float]) -> tuple[float, list[str]]:
     gain = compute_confident_gain(model, velocity_range)
     if find_doubt(model) is not None:
         return _LOWEST_GAIN, [f"the model is not trusted; gain {_LOWEST_GAIN:g}"]

@@ -97,7 +97,7 @@ class Compensator:
             require_usable(self.model)
         self.period = period
         self.settings = settings or choose_settings(self.model, loop=loop, velocity_quantum=velocity_quantum, **given)
-        self.inputs = _inputs(self.model)
+        self.inputs = _list_inputs(self.model)
         curves = trusted_curves(self.model)
         self._hot: HotPath = build_hot_path(curves, self.settings, period)
         self.torque = self._hot.torque
@@ -281,7 +281,7 @@ def require_one_each(compensators: Sequence[Compensator]) -> None:
         raise ParameterError("a compensator keeps the state of one joint: make one for each")
 
 
-def _inputs(model: FrictionModel) -> frozenset[str]:
+def _list_inputs(model: FrictionModel) -> frozenset[str]:
     # A normal load in any other unit than the joint's torque is known to the user alone.
     transmitted = "transmitted" in model.provenance.notes.get("normal_load", "")
     return find_inputs(model.law.terms) | ({"normal_load"} if transmitted else set())

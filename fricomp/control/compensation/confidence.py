@@ -52,7 +52,7 @@ def compute_confident_gain(model: FrictionModel, velocity_range: tuple[float, fl
     """
     if model.covariance is None:
         return None
-    model = _without_held_terms(model, model.covariance)
+    model = _drop_held_terms(model, model.covariance)
     top = min(abs(velocity_range[0]), velocity_range[1])
     speeds = np.geomspace(1e-3 * top, top, _POINTS)
     velocity = np.concatenate([speeds, -speeds])
@@ -65,7 +65,7 @@ def compute_confident_gain(model: FrictionModel, velocity_range: tuple[float, fl
     return float(np.min(ratios))
 
 
-def _without_held_terms(model: FrictionModel, covariance: Covariance) -> FrictionModel:
+def _drop_held_terms(model: FrictionModel, covariance: Covariance) -> FrictionModel:
     """`model` with the terms that resist a motion alone; as it is where there is no other, or none at all."""
     resisting = [term for term in model.law.terms if trace_parts(term).held is None]
     if len(resisting) in (0, len(model.law.terms)):

@@ -122,7 +122,7 @@ class FrictionCurves:
     @property
     def static_ratio(self) -> float:
         """Largest F_s/F_c of either direction, of all that is dry: a law may hold a part of its level in a bristle."""
-        beside = [_directions(term)[:2] for term in self.extra if _is_dry(term)]
+        beside = [_split_directions(term)[:2] for term in self.extra if _is_dry(term)]
         ratios = []
         for k, curve in enumerate((self.forward, self.reverse)):
             coulomb = curve.coulomb + sum(each[k].coulomb_torque for each in beside)
@@ -150,7 +150,7 @@ def split_law(law: FrictionLaw) -> FrictionCurves:
         elif dry or not _is_dry(term):
             extra.append(term)
         else:
-            dry.append(_directions(term))
+            dry.append(_split_directions(term))
             smoothing = term.smoothing_velocity if isinstance(term, SmoothedCoulomb) else 0.0
             bristle = Bristle(term.sigma_0, getattr(term, "sigma_1", 0.0)) if isinstance(term, LuGre | Dahl) else None
             lag = term.lag if isinstance(term, LaggedStribeck | LaggedLuGre) else 0.0
@@ -168,7 +168,7 @@ def _is_dry(term: Term) -> bool:
     return isinstance(term, BidirectionalStribeck | Stribeck | LuGre | Dahl | Coulomb)
 
 
-def _directions(term: Term) -> tuple[StribeckCurve, StribeckCurve, LoadScaling]:
+def _split_directions(term: Term) -> tuple[StribeckCurve, StribeckCurve, LoadScaling]:
     if isinstance(term, BidirectionalStribeck | LuGre):
         return term.forward, term.reverse, term.load
     if isinstance(term, Stribeck):

@@ -73,16 +73,16 @@ def write_hot_path(curves: FrictionCurves, settings: CompensationSettings, perio
     extra = trace_extra(curves.extra, period) if curves.extra else None
     case = _Case(curves, settings, period, extra, find_inputs(curves.extra))
     start = [f"{name} = 0.0" for name in ("last", *case.states)]
-    steps = [_read_inputs, _lag, _core, _extra, _sum, _fade, _limit]
+    steps = [_write_inputs, _write_lag, _write_core, _write_extra, _write_sum, _write_fade, _write_limit]
     body = [line for step in steps for line in step(case)]
     arguments = "".join(f", {name}=None" for name in _ARGUMENTS)
     return [
         "def build():",
-        *_indent([*start, "rejected, rejection = 0, ''", f"dry_gain = viscous_gain = {_n(settings.gain)}"]),
+        *_indent_lines([*start, "rejected, rejection = 0, ''", f"dry_gain = viscous_gain = {_n(settings.gain)}"]),
         f"    def torque(velocity_reference{arguments}):",
         f"        nonlocal rejected, rejection, {', '.join(['last', *case.states])}",
         "        try:",
-        *_indent(_indent(_indent(body))),
+        *_indent_lines(_indent_lines(_indent_lines(body))),
         "        except ParameterError as error:",
         "            last, rejection = 0.0, f'{type(error).__name__}: {error}'",
         "            rejected += 1",
@@ -92,7 +92,7 @@ def write_hot_path(curves: FrictionCurves, settings: CompensationSettings, perio
         "            rejected += 1",
         "            return 0.0",
         "    def reset():",
-        *_indent(_indent([f"nonlocal {', '.join(['last', *case.states])}", *start])),
+        *_indent_lines(_indent_lines([f"nonlocal {', '.join(['last', *case.states])}", *start])),
         "    def set_scale(dry, viscous):",
         "        nonlocal dry_gain, viscous_gain",
         f"        dry_gain, viscous_gain = {_n(settings.gain)} * dry, {_n(settings.gain)} * viscous",
@@ -100,7 +100,7 @@ def write_hot_path(curves: FrictionCurves, settings: CompensationSettings, perio
     ]
 
 
-def _indent(lines: Iterable[str]) -> list[str]:
+def _indent_lines(lines: Iterable[str]) -> list[str]:
     return [f"    {line}" for line in lines]
 
 
@@ -119,27 +119,27 @@ def _clip(name: str, value: str, low: float, high: float) -> list[str]:
     ]
 
 
-def _given(name: str, *then: str) -> list[str]:
+def _write_given(name: str, *then: str) -> list[str]:
     """Lines for an input that is given: it becomes a float and part of the sum that is finite if all are."""
     check = [f"if {name}.__class__ is not float:", f"    {name} = as_number({name!r}, {name})", f"total += {name}"]
-    return [f"if {name} is not None:", *_indent([*check, *then])]
+    return [f"if {name} is not None:", *_indent_lines([*check, *then])]
 
 
-def _read_inputs(case: _Case) -> list[str]:
+def _write_inputs(case: _Case) -> list[str]:
     settings = case.settings
     lines = [
         "if velocity_reference.__class__ is not float:",
         "    velocity_reference = as_number('velocity_reference', velocity_reference)",
         "total = drive = blended = velocity_reference",
         *(["factor = 1.0"] if case.factor else []),
-        *_given("velocity", *_blend(settings)),
+        *_write_given("velocity", *_write_blend(settings)),
         *(["direction = drive"] if settings.error_rate else []),
-        *_given("position_error", *_turn(settings)),
-        *_given("normal_load", *(_load(case) if case.factor else [])),
+        *_write_given("position_error", *_write_turn(settings)),
+        *_write_given("normal_load", *(_write_load(case) if case.factor else [])),
     ]
     if case.extra is not None:
         for name in INPUTS:
-            lines += _given(name)
+            lines += _write_given(name)
             if name in case.inputs and name != "temperature":
                 lines += ["else:", f"    {name} = total = nan"]
     return [
@@ -149,7 +149,7 @@ def _read_inputs(case: _Case) -> list[str]:
     ]
 
 
-def _blend(settings: CompensationSettings) -> list[str]:
+def _write_blend(settings: CompensationSettings) -> list[str]:
     """The velocity that decides, and the speed on the curve, where one is measured."""
     share, band, lines = settings.measured_share, _n(settings.dead_band), []
     if settings.source == "measured":
@@ -162,7 +162,7 @@ def _blend(settings: CompensationSettings) -> list[str]:
     ]
 
 
-def _turn(settings: CompensationSettings) -> list[str]:
+def _write_turn(settings: CompensationSettings) -> list[str]:
     """The direction that a position error beyond its band gives."""
     if not settings.error_rate:
         return []
@@ -175,14 +175,14 @@ def _turn(settings: CompensationSettings) -> list[str]:
     ]
 
 
-def _load(case: _Case) -> list[str]:
+def _write_load(case: _Case) -> list[str]:
     """The factor of the load, which is held to its range and to where dry friction ends."""
     load, (low, high) = case.curves.load, case.settings.normal_load_range or (-inf, inf)
     low = max(low, load.reference_load * (1.0 - 1.0 / load.load_sensitivity))
     return [*_clip("normal_load", "normal_load", low, high)[1:], *_assign(factor=load.factor(Symbol("normal_load")))]
 
 
-def _lag(case: _Case) -> list[str]:
+def _write_lag(case: _Case) -> list[str]:
     """The low pass of both velocities; beyond the range they count as its ends, so that no single input lasts."""
     if not case.curves.lag > 0.0:
         return []
@@ -195,33 +195,35 @@ def _lag(case: _Case) -> list[str]:
     ]
 
 
-def _core(case: _Case) -> list[str]:
+def _write_core(case: _Case) -> list[str]:
     """`tau` of the dry curve, its `level` and the `viscous` coefficient."""
     curves, smoothing = case.curves, _n(case.settings.smoothing)
     is_adjusted = curves.bristle is None and bool(case.settings.rest_velocity or case.settings.source == "blend")
-    sides = [_side(case, curve, sign, is_adjusted) for curve, sign in ((curves.forward, ""), (curves.reverse, "-"))]
+    sides = [
+        _write_side(case, curve, sign, is_adjusted) for curve, sign in ((curves.forward, ""), (curves.reverse, "-"))
+    ]
     viscous = [[f"viscous = {_n(curve.viscous)}"] for curve in (curves.forward, curves.reverse)]
     if curves.bristle is not None and case.direction != "drive":
         lines = [*_choose("drive", *sides), *_choose(case.direction, *viscous)]
     else:
         lines = _choose(case.direction, *(side + more for side, more in zip(sides, viscous, strict=True)))
-    lines += _adjust(case) if is_adjusted else []
+    lines += _write_adjustment(case) if is_adjusted else []
     has_dry = case.extra is not None
     if curves.bristle is None or curves.lag > 0.0 or has_dry:
         lines.append(f"turned = tanh({case.direction} / {smoothing})")
     if curves.lag > 0.0:  # the velocity that drags has not turned yet, and the coefficient must not jump
         mean, half = (0.5 * (curves.forward.viscous + sign * curves.reverse.viscous) for sign in (1.0, -1.0))
         lines.append(f"viscous = {_n(mean)} + {_n(half)} * turned")
-    return [*lines, *(["tau = level * turned"] if curves.bristle is None else _bend(case))]
+    return [*lines, *(["tau = level * turned"] if curves.bristle is None else _write_bend(case))]
 
 
 def _choose(name: str, forward: list[str], reverse: list[str]) -> list[str]:
     if forward == reverse:
         return forward
-    return [f"if {name} >= 0.0:", *_indent(forward), "else:", *_indent(reverse)]
+    return [f"if {name} >= 0.0:", *_indent_lines(forward), "else:", *_indent_lines(reverse)]
 
 
-def _side(case: _Case, curve: CurveParameters, sign: str, is_adjusted: bool) -> list[str]:
+def _write_side(case: _Case, curve: CurveParameters, sign: str, is_adjusted: bool) -> list[str]:
     """The level of the curve of one direction, or what it is made of where rest is still to be looked at."""
     speed = f"speed = {sign}blended if blended {'<' if sign else '>'} 0.0 else 0.0"
     if case.curves.bristle is not None or case.curves.lag > 0.0:
@@ -238,7 +240,7 @@ def _side(case: _Case, curve: CurveParameters, sign: str, is_adjusted: bool) -> 
     return [speed, *_assign(level=Symbol("factor") * level if case.factor else level)]
 
 
-def _adjust(case: _Case) -> list[str]:
+def _write_adjustment(case: _Case) -> list[str]:
     """The falling branch of a joint that is seen to rest, or whose velocity is not measured."""
     width, lines = case.settings.rest_velocity, []
     if case.settings.source == "blend":
@@ -254,7 +256,7 @@ def _adjust(case: _Case) -> list[str]:
     return [*lines, *_assign(level=Symbol("factor") * level if case.factor else level)]
 
 
-def _bend(case: _Case) -> list[str]:
+def _write_bend(case: _Case) -> list[str]:
     """The bristle; beyond `deepest_bend` nothing bends, and the torque is its level."""
     bristle = case.curves.bristle
     assert bristle is not None
@@ -262,8 +264,8 @@ def _bend(case: _Case) -> list[str]:
     return [
         f"steady = level / {_n(bristle.sigma_0)}",
         f"if 0.0 < steady < {_n(deepest_bend(case.curves))}:",
-        *_indent(_assign(after=advance_bristle(before, Symbol("drive"), Symbol("steady"), period))),
-        *_indent(_assign(tau=bristle_torque(bristle.sigma_0, bristle.sigma_1, before, after, period))),
+        *_indent_lines(_assign(after=advance_bristle(before, Symbol("drive"), Symbol("steady"), period))),
+        *_indent_lines(_assign(tau=bristle_torque(bristle.sigma_0, bristle.sigma_1, before, after, period))),
         "    deflection = after",
         "else:",
         "    deflection = 0.0",
@@ -271,7 +273,7 @@ def _bend(case: _Case) -> list[str]:
     ]
 
 
-def _extra(case: _Case) -> list[str]:
+def _write_extra(case: _Case) -> list[str]:
     """`dry`, `drag` and `held` of the terms that fit no curve, and their states."""
     extra = case.extra
     if extra is None:
@@ -300,7 +302,7 @@ def _extra(case: _Case) -> list[str]:
     return [*lines, *(f"{name} = {name}_after" for step in extra.steps for name in step.states)]
 
 
-def _sum(case: _Case) -> list[str]:
+def _write_sum(case: _Case) -> list[str]:
     """All friction together, with the gains."""
     if case.extra is None:
         return [f"tau = dry_gain * tau + viscous_gain * viscous * {case.dragged}"]
@@ -311,7 +313,7 @@ def _sum(case: _Case) -> list[str]:
     ]
 
 
-def _fade(case: _Case) -> list[str]:
+def _write_fade(case: _Case) -> list[str]:
     """The fade beyond the range of velocity, and what holds a position, which does not fade."""
     (low, high), fade = case.settings.velocity_range, 1.0 / case.settings.fade_width
     lines = [
@@ -322,7 +324,7 @@ def _fade(case: _Case) -> list[str]:
     return lines if case.extra is None else [*lines, f"tau += {_n(case.settings.gain)} * held"]
 
 
-def _limit(case: _Case) -> list[str]:
+def _write_limit(case: _Case) -> list[str]:
     """The limits of authority and rate."""
     highest, step = case.settings.authority, case.settings.torque_rate * case.period
     lines = [

@@ -61,7 +61,7 @@ def find_oscillation(
     """
     speeds = steady_speeds(curves, settings)
     amplitude = np.geomspace(0.02 * settings.smoothing, 2.0 * settings.velocity_range[1], _AMPLITUDES)
-    grows = np.stack([_grows(curves, loop, settings, gains, v, amplitude) for v in speeds])
+    grows = np.stack([_does_grow(curves, loop, settings, gains, v, amplitude) for v in speeds])
     at_gains: BoolArray = np.asarray(grows.any(axis=(0, 2)))
     if not at_gains.any():
         return Oscillation(0.0, 0.0, at_gains)
@@ -92,7 +92,7 @@ def steady_speeds(curves: FrictionCurves, settings: CompensationSettings) -> Flo
     return np.concatenate([[0.0], speeds, -speeds])
 
 
-def _grows(
+def _does_grow(
     curves: FrictionCurves,
     loop: LoopDynamics,
     settings: CompensationSettings,

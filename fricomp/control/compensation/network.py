@@ -81,13 +81,13 @@ class NetworkCompensator:
         self._state[:, 1] = [loads.usual for loads in self._loads]
         self._torque = np.zeros((self.n_joints, 1), dtype=np.float32)
         # Views that read and write plain floats, several times faster than numpy scalars.
-        self._states, self._torques = _plain_view(self._state), _plain_view(self._torque)
+        self._states, self._torques = _view_plainly(self._state), _view_plainly(self._torque)
         self._indices = range(self.n_joints)
-        self._run = _bind(self._session, self._state, self._torque)
+        self._run = _bind_session(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
         self._range = read_velocity_range(velocity_range, about)
         caps = LARGEST_EXTRAPOLATION * read_largest_torques(about, self.n_joints)
-        self.authority: list[float] = np.minimum(self._largest(), caps).tolist()
+        self.authority: list[float] = np.minimum(self._find_largest(), caps).tolist()
         self.tail = self._measure_tail()
         if self.tail > largest_share * period:
             raise ParameterError(
@@ -110,7 +110,9 @@ class NetworkCompensator:
                 middle of its range, else 1.
         """
         try:
-            usable = _fits(velocity_reference) and (normal_load is None or _fits(normal_load))
+            usable = _is_finite_in_single(velocity_reference) and (
+                normal_load is None or _is_finite_in_single(normal_load)
+            )
             if usable:
                 self._set_state(velocity_reference, normal_load)
         except (TypeError, ValueError, OverflowError):
@@ -153,7 +155,7 @@ class NetworkCompensator:
         """Run the graph on the inputs of the last call."""
         self._run()
 
-    def _largest(self) -> FloatArray:
+    def _find_largest(self) -> FloatArray:
         """Largest torque of each network over the ranges, from the slowest speed it is asked. Shape (n_joints,)."""
         found, usual = np.zeros(self.n_joints), self._state[:, 1].copy()
         known = np.array([(low, high) if math.isfinite(low) else (at, at) for low, high, at in self._loads])
@@ -180,16 +182,16 @@ class NetworkCompensator:
         return sorted(took)[-2]
 
 
-def _fits(values: Sequence[float]) -> bool:
+def _is_finite_in_single(values: Sequence[float]) -> bool:
     """Whether all are finite in single precision too."""
     return math.isfinite(sum(values)) and min(values) >= -_LARGEST_INPUT and max(values) <= _LARGEST_INPUT
 
 
-def _plain_view(array: Any) -> Any:
+def _view_plainly(array: Any) -> Any:
     return memoryview(array.ravel())
 
 
-def _bind(session: Any, state: Any, torque: Any) -> Any:
+def _bind_session(session: Any, state: Any, torque: Any) -> Any:
     binding = session.io_binding()
     binding.bind_input("state", "cpu", 0, np.float32, state.shape, state.ctypes.data)
     binding.bind_output(session.get_outputs()[0].name, "cpu", 0, np.float32, torque.shape, torque.ctypes.data)

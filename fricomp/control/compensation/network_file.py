@@ -84,7 +84,7 @@ def _require_small_graph(path: Path) -> None:
         import onnx
     try:
         model = onnx.load_model_from_string(read_whole(path))
-        grown, is_apart = _growing(model.graph), _is_apart(model.graph)
+        grown, is_apart = _list_growing(model.graph), _is_apart(model.graph)
         if not (grown or is_apart):
             check_graph(model)
     except Exception as error:  # protobuf raises kinds of its own
@@ -97,7 +97,7 @@ def _require_small_graph(path: Path) -> None:
         raise ModelFileError(f"{path} takes weights from other files: put them into the network's own")
 
 
-def _growing(graph: Any) -> list[str]:
+def _list_growing(graph: Any) -> list[str]:
     """Operators that make tensors of any size."""
     return sorted({node.op_type for node in graph.node if node.op_type in _GROWING or _has_graph(node)})
 
@@ -139,7 +139,7 @@ def read_velocity_range(given: tuple[float, float] | None, about: Mapping[str, s
     words = about.get("velocity_range", "").split()
     if len(words) != 2:
         raise ParameterError("the network's file states no range of velocity: give velocity_range=(low, high)")
-    low, high = (_number(word) for word in words)
+    low, high = (_read_number(word) for word in words)
     if not -math.inf < low < high < math.inf:
         raise ModelFileError(
             f"the network's file states the range of velocity {' '.join(words)!r}: two finite numbers in ascending "
@@ -161,7 +161,7 @@ def read_largest_torques(about: Mapping[str, str], n_joints: int) -> NDArray[np.
     words = about["largest_torque"].split()
     if len(words) not in (1, n_joints):
         raise ModelFileError(f"the network of {n_joints} joints states {len(words)} largest torques; export it anew")
-    largest = np.array([_number(word) for word in words])
+    largest = np.array([_read_number(word) for word in words])
     if not np.all(largest > 0.0) or (len(words) == 1 and not np.isfinite(largest[0])):
         raise ModelFileError(
             f"the network's file states {about['largest_torque']!r} as the largest torque measured: it must be finite "
@@ -178,19 +178,19 @@ def read_loads(about: Mapping[str, str], n_joints: int) -> list[Loads]:
     Raises:
         ModelFileError: It states those of another number of joints, or what is no range or no load.
     """
-    ranges = _of_each("normal_load_range", about, n_joints)
-    return [_loads(*each) for each in zip(ranges, _of_each("reference_load", about, n_joints), strict=True)]
+    ranges = _read_each("normal_load_range", about, n_joints)
+    return [_read_loads(*each) for each in zip(ranges, _read_each("reference_load", about, n_joints), strict=True)]
 
 
-def _of_each(key: str, about: Mapping[str, str], n_joints: int) -> list[list[float]]:
+def _read_each(key: str, about: Mapping[str, str], n_joints: int) -> list[list[float]]:
     """The numbers of `key` for each joint."""
     parts = about.get(key, "").split(";")
     if len(parts) not in (1, n_joints):
         raise ModelFileError(f"the network of {n_joints} joints states {key} of {len(parts)}; export it anew")
-    return [[_number(word) for word in part.split()] for part in parts] * (n_joints if len(parts) == 1 else 1)
+    return [[_read_number(word) for word in part.split()] for part in parts] * (n_joints if len(parts) == 1 else 1)
 
 
-def _loads(edges: list[float], reference: list[float]) -> Loads:
+def _read_loads(edges: list[float], reference: list[float]) -> Loads:
     is_range = not edges or (len(edges) == 2 and -math.inf < edges[0] <= edges[1] < math.inf)
     if not is_range or len(reference) > 1 or not all(math.isfinite(load) for load in reference):
         raise ModelFileError(
@@ -203,7 +203,7 @@ def _loads(edges: list[float], reference: list[float]) -> Loads:
     return Loads(low, high, min(max(reference[0], low), high) if reference else (low + high) / 2.0)
 
 
-def _number(word: str) -> float:
+def _read_number(word: str) -> float:
     """What a word of a file means; NaN where it is no number."""
     try:
         return float(word)

@@ -84,7 +84,7 @@ def bound_friction(model: FrictionModel) -> FrictionModel:
     cap = compute_torque_cap(model)
     if cap is None:
         return model
-    terms = tuple(_bounded_term(term, cap, model) for term in model.law.terms)
+    terms = tuple(_bound_term(term, cap, model) for term in model.law.terms)
     return model if terms == model.law.terms else replace(model, law=FrictionLaw(terms))
 
 
@@ -102,7 +102,7 @@ def trusted_curves(model: FrictionModel) -> FrictionCurves:
     return curves
 
 
-def _bounded_term(term: Term, cap: float, model: FrictionModel) -> Term:
+def _bound_term(term: Term, cap: float, model: FrictionModel) -> Term:
     if not isinstance(term, BidirectionalStribeck | Stribeck | LuGre | Coulomb | SmoothedCoulomb | Dahl):
         return term
     # The parameters hold at the reference load, the data at their own.
@@ -110,10 +110,10 @@ def _bounded_term(term: Term, cap: float, model: FrictionModel) -> Term:
     level = cap / max(*factors, 1e-3)
     reverse, forward = model.provenance.slowest_speeds or (0.0, 0.0)
     if isinstance(term, BidirectionalStribeck | LuGre):
-        ahead, back = _bounded(term.forward, level, forward), _bounded(term.reverse, level, reverse)
+        ahead, back = _bound_curve(term.forward, level, forward), _bound_curve(term.reverse, level, reverse)
         return replace(term, forward=ahead, reverse=back)
     if isinstance(term, Stribeck):
-        return replace(term, curve=_bounded(term.curve, level, min(reverse, forward)))
+        return replace(term, curve=_bound_curve(term.curve, level, min(reverse, forward)))
     if term.coulomb_torque <= level:
         return term
     lowered = replace(term, coulomb_torque=level)
@@ -122,7 +122,7 @@ def _bounded_term(term: Term, cap: float, model: FrictionModel) -> Term:
     return lowered
 
 
-def _bounded(curve: StribeckCurve, level: float, slowest: float) -> StribeckCurve:
+def _bound_curve(curve: StribeckCurve, level: float, slowest: float) -> StribeckCurve:
     """`curve` with a static torque of at most `level`; above `slowest` it changes little."""
     if curve.static_torque <= level:
         return curve

@@ -66,10 +66,12 @@ def bound_travel(loop: LoopDynamics, limits: JointLimits, period: float, stale_a
         Travel by name of the failure [rad] or [m].
     """
     free = replace(limits, position=None)
-    return {name: _travel(failure, loop, free, period, stale_after) for name, failure in FAILURES.items()}
+    return {name: _measure_travel(failure, loop, free, period, stale_after) for name, failure in FAILURES.items()}
 
 
-def _travel(failure: Failure, loop: LoopDynamics, limits: JointLimits, period: float, stale_after: float) -> float:
+def _measure_travel(
+    failure: Failure, loop: LoopDynamics, limits: JointLimits, period: float, stale_after: float
+) -> float:
     gate = SafetyGate([limits], period=period, ramp_time=0.0, stale_after=stale_after)
     now, period_ns = 1_000_000_000, round(period * 1e9)
     gate.arm(now)

@@ -50,7 +50,7 @@ class JointLimits:
                 raise ParameterError(f"the {name} limit must be finite and positive, got {value!r}")
             object.__setattr__(self, name, float(value))
         if self.position is not None:
-            object.__setattr__(self, "position", _range(self.position))
+            object.__setattr__(self, "position", _get_range(self.position))
         if self.breakaway is not None:
             if not (is_number(self.breakaway) and self.breakaway > 0.0):
                 raise ParameterError(f"the breakaway limit must be finite and positive or None, got {self.breakaway!r}")
@@ -59,7 +59,7 @@ class JointLimits:
             raise ParameterError(f"the temperature limit must be finite [°C] or None, got {self.temperature!r}")
 
 
-def _range(limits: tuple[float, float]) -> tuple[float, float]:
+def _get_range(limits: tuple[float, float]) -> tuple[float, float]:
     pair = limits if isinstance(limits, Sequence) and len(limits) == 2 and all(map(is_number, limits)) else (0.0, 0.0)
     if not pair[0] < pair[1]:
         raise ParameterError(f"the position limits must be two finite ascending numbers or None, got {limits!r}")

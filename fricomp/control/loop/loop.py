@@ -215,7 +215,7 @@ class ControlLoop:
                     await_feedback(adapter, feedback, self.period)
                     if not self._stop.is_set():
                         adapter.enable()
-                        cycles = self._cycle(feedback, duration)
+                        cycles = self._run_cycles(feedback, duration)
                     trip = adapter.gate.trip_record  # before the stop, which latches the gate too
             except BaseException as error:
                 adapter.gate.trip("exception", f"{type(error).__name__}: {error}")
@@ -227,7 +227,7 @@ class ControlLoop:
         rejected = self.compensation.rejected - rejected
         return LoopResult(self.log, cycles, self._skipped, rejected, trip, granted)
 
-    def _cycle(self, feedback: JointFeedback, duration: float) -> int:
+    def _run_cycles(self, feedback: JointFeedback, duration: float) -> int:
         """The cycles themselves; returns their number."""
         adapter, clock, gate, n = self.adapter, self.adapter.clock, self.adapter.gate, self._n
         now_ns, sleep_until, read_into, write = clock.now_ns, clock.sleep_until, adapter.read_into, adapter.write

@@ -138,22 +138,22 @@ def check_loop(
         predicted_limit=limits[0],
         simulated_limit=limits[1],
         margin=limit / chosen.gain - 1.0 if chosen.gain > 0.0 else float("inf"),
-        safe_gain=_safe_gain(scan),
+        safe_gain=_find_safe_gain(scan),
         sticks_without=bool(scan.predicted[0] > 0.5 or scan.simulated[0] > 0.5),
         drift=stop.drift,
         drive=bench.drive,
         unsettled_from=stop.unsettled_from,
         unsettled_without=stop.unsettled_without,
-        left_out=_left_out(known),
+        left_out=_list_left_out(known),
     )
 
 
-def _left_out(curves: FrictionCurves) -> tuple[str, ...]:
+def _list_left_out(curves: FrictionCurves) -> tuple[str, ...]:
     state = {"bristle": curves.bristle is not None, "lag of friction": curves.lag > 0.0}
     return (*(term.name for term in curves.extra), *(name for name, has in state.items() if has))
 
 
-def _safe_gain(scan: GainScan) -> float:
+def _find_safe_gain(scan: GainScan) -> float:
     """The highest gain from which neither finding oscillates up to 15 % above it; 0 where there is none."""
     clean = (scan.predicted < 0.5) & (scan.simulated < 0.5)
     ends = [k for k in range(len(clean)) if clean[k] and (k + 1 == len(clean) or not clean[k + 1])]

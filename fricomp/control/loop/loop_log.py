@@ -82,17 +82,17 @@ class LoopLog:
     @property
     def time(self) -> FloatArray:
         """Start of each cycle since the start of the loop, shape (n_cycles,) [s]."""
-        return self._ordered()[:, 0]
+        return self._order()[:, 0]
 
     @property
     def lateness(self) -> FloatArray:
         """Delay of each cycle's start, shape (n_cycles,) [s]."""
-        return self._ordered()[:, 1]
+        return self._order()[:, 1]
 
     @property
     def busy(self) -> FloatArray:
         """Time that each cycle took, shape (n_cycles,) [s]."""
-        return self._ordered()[:, 2]
+        return self._order()[:, 2]
 
     def signal(self, name: str) -> FloatArray:
         """A signal of all joints, shape (n_cycles, n_joints).
@@ -103,7 +103,7 @@ class LoopLog:
         if name not in _SIGNALS:
             raise ParameterError(f"the log has no signal {name!r}; it has {', '.join(_SIGNALS)}")
         start = _HEAD + _SIGNALS.index(name) * self.n_joints
-        return self._ordered()[:, start : start + self.n_joints]
+        return self._order()[:, start : start + self.n_joints]
 
     def timing(self) -> LoopTiming:
         """Quantiles of lateness and busy time.
@@ -125,7 +125,7 @@ class LoopLog:
             signals["torque"], metadata = signals["torque_command"], replace(metadata, torque_kind="commanded")
         return Recording(time=self.time, metadata=metadata, **signals)
 
-    def _ordered(self) -> FloatArray:
+    def _order(self) -> FloatArray:
         if self._count <= len(self._rows):
             return self._rows[: self._count]
         first = self._count % len(self._rows)

@@ -100,11 +100,11 @@ def simulate_loop(
         wanted = cases.gain * compute_compensation(known, settings, np.zeros(n_cases) + v_ref[k], filtered, error)
         torque = np.clip(torque + np.clip(wanted, -settings.authority, settings.authority), -limit, limit)
         sent = np.clip(torque, sent - step, sent + step)
-        q, v = _slide(curves, cases, static, (q, v, sent), period)
+        q, v = _advance_sliding(curves, cases, static, (q, v, sent), period)
     return SimulatedLoop(position, velocity)
 
 
-def _slide(
+def _advance_sliding(
     curves: FrictionCurves,
     cases: LoopCases,
     static: FloatArray,

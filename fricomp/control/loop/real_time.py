@@ -70,17 +70,17 @@ def real_time(options: RealTimeOptions) -> Iterator[RealTimeReport]:
     report = RealTimeReport()
     with contextlib.ExitStack() as stack:
         if options.freeze_garbage:
-            stack.enter_context(_frozen_garbage())
+            stack.enter_context(_freeze_garbage())
             report.granted.append("garbage collector frozen")
         if sys.platform == "linux":
-            _linux(options, stack, report)
+            _ask_linux(options, stack, report)
         elif options.priority or options.lock_memory or options.core is not None:
             report.refused.append(f"scheduling and memory locking are for Linux, this is {sys.platform}")
         yield report
 
 
 @contextlib.contextmanager
-def _frozen_garbage() -> Iterator[None]:
+def _freeze_garbage() -> Iterator[None]:
     was_enabled, was_frozen = gc.isenabled(), gc.get_freeze_count() > 0
     gc.collect()
     if not was_frozen:
@@ -95,7 +95,7 @@ def _frozen_garbage() -> Iterator[None]:
             gc.enable()
 
 
-def _linux(options: RealTimeOptions, stack: contextlib.ExitStack, report: RealTimeReport) -> None:
+def _ask_linux(options: RealTimeOptions, stack: contextlib.ExitStack, report: RealTimeReport) -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     slack = libc.prctl(_PR_GET_TIMERSLACK, 0, 0, 0, 0)
     if libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) == 0:

@@ -53,12 +53,12 @@ class AdapterBench:
         self.clock.advance(PERIOD)
 
 
-def _tables(n_joints: int, **extra: Any) -> list[dict[str, Any]]:
+def _make_tables(n_joints: int, **extra: Any) -> list[dict[str, Any]]:
     return [{"name": f"joint {n}", "id": n, "limits": LIMITS, **extra} for n in range(1, n_joints + 1)]
 
 
-def _common(n_joints: int, **extra: Any) -> dict[str, Any]:
-    return {"joints": _tables(n_joints, **extra), "ramp_time": 0.0}
+def _make_common(n_joints: int, **extra: Any) -> dict[str, Any]:
+    return {"joints": _make_tables(n_joints, **extra), "ramp_time": 0.0}
 
 
 _NO_JOINTS: Any = None
@@ -100,7 +100,7 @@ def make_canopen(n_joints: int) -> AdapterBench:
 
     from ...twins.canopen.cia402 import Cia402Drive, Cia402Settings
 
-    made = convert({"bus": {"interface": "virtual"}} | _common(n_joints), CanOpenConfiguration)
+    made = convert({"bus": {"interface": "virtual"}} | _make_common(n_joints), CanOpenConfiguration)
     return _can_bench(
         lambda axis, number: Cia402Drive(axis, Cia402Settings(node_id=number, rated_torque=5.0)),
         lambda link, clock: CanOpenAdapter(made, lambda: link, clock),
@@ -115,7 +115,7 @@ def make_mit(n_joints: int) -> AdapterBench:
 
     from ...twins.mit.damiao import MitMotor, MitSettings
 
-    table = {"bus": {"interface": "virtual"}} | _common(n_joints, model="damiao/DM4310")
+    table = {"bus": {"interface": "virtual"}} | _make_common(n_joints, model="damiao/DM4310")
     made = convert(table, MitConfiguration)
     return _can_bench(
         lambda axis, number: MitMotor(axis, MitSettings(receive_id=number, feedback_id=0x10 + number)),
@@ -134,7 +134,7 @@ def make_odrive(n_joints: int) -> AdapterBench:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flat_endpoints.json"
         path.write_text(json.dumps(flat_endpoints()))
-        table = {"bus": {"interface": "virtual"}, "endpoints": str(path)} | _common(n_joints)
+        table = {"bus": {"interface": "virtual"}, "endpoints": str(path)} | _make_common(n_joints)
         made = convert(table, OdriveConfiguration)
         return _can_bench(
             lambda axis, number: ODriveNode(axis, ODriveSettings(node=number)),
@@ -151,7 +151,7 @@ def make_moteus(n_joints: int) -> AdapterBench:
     from ...twins.moteus.bus import MoteusController, MoteusSettings, MoteusTwin
 
     line = MemorySerialLine()
-    made = convert({"serial": {"port": "loop://"}} | _common(n_joints), MoteusConfiguration)
+    made = convert({"serial": {"port": "loop://"}} | _make_common(n_joints), MoteusConfiguration)
 
     def make_twin(axes: list[Any]) -> MoteusTwin:
         controllers = [MoteusController(axis, MoteusSettings(number)) for number, axis in enumerate(axes, start=1)]
@@ -168,7 +168,7 @@ def make_dynamixel(n_joints: int) -> AdapterBench:
     from ...twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
 
     line = MemorySerialLine()
-    table = {"serial": {"port": "loop://", "baudrate": 4_000_000}} | _common(n_joints)
+    table = {"serial": {"port": "loop://", "baudrate": 4_000_000}} | _make_common(n_joints)
     made = convert(table, DynamixelConfiguration)
 
     def make_twin(axes: list[Any]) -> DynamixelTwin:

@@ -98,12 +98,12 @@ class _Run:
     def feed(self, n_frames: int) -> None:
         stop = self.n_frames + n_frames
         while self.n_frames < stop:
-            self._guarded(self._cycle)
+            self._guard(self._cycle)
             if not self.bench.adapter.enabled:
                 self.n_trips += 1
-                self._guarded(self._recover)
+                self._guard(self._recover)
 
-    def _guarded(self, call: Callable[[], None]) -> None:
+    def _guard(self, call: Callable[[], None]) -> None:
         try:
             call()
         except FricompError as error:
@@ -143,7 +143,7 @@ class _Run:
             kind = rng.random()
             if kind < 0.4 and frames:  # a true frame, damaged, cut or repeated
                 frame = rng.choice(frames)
-                made.append(frame._replace(data=_damaged(frame.data, rng)))
+                made.append(frame._replace(data=_damage(frame.data, rng)))
             elif kind < 0.6 and self._identifiers:  # random contents under a true identifier
                 identifier, extended = rng.choice(self._identifiers)
                 made.append(CanFrame(identifier, rng.randbytes(rng.randrange(9)), extended))
@@ -163,7 +163,7 @@ class _Run:
             kind = rng.random()
             if kind < 0.5 and data:
                 start = rng.randrange(len(data))
-                pieces.append(_damaged(data[start : start + rng.randrange(1, 60)], rng))
+                pieces.append(_damage(data[start : start + rng.randrange(1, 60)], rng))
             elif kind < 0.6:
                 pieces.append(rng.choice((b"\n", b"OK\n", b"rcv ", b"rcv 0100 ", b"\xff\xff\xfd\x00", b"\xff\xff\xfd")))
             else:
@@ -172,7 +172,7 @@ class _Run:
         return b"".join(pieces)
 
 
-def _damaged(data: bytes, rng: random.Random) -> bytes:
+def _damage(data: bytes, rng: random.Random) -> bytes:
     """A bit flipped, the end cut off, or as it is."""
     kind = rng.random()
     if not data or kind < 0.2:

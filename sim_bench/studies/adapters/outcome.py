@@ -53,18 +53,20 @@ def summarise_adapters(figures: AdapterFigures) -> StudyOutcome:
         "under garbage, and what a control cycle costs it in units of one bare Stribeck curve timed beside it.",
     )
     tables = {
-        "Frames against independent encoders": _peers(figures.peers),
-        "Calibration of one joint through adapter and twin, beside the same joint alone": _calibrations(figures),
-        "Random and damaged frames": _fuzz(figures.fuzz),
-        "A joint in its loop, with faults at random": _soak(figures.soak),
-        "Encode, gate and decode, a joint, without the bus": _cost(figures.cost),
-        "Round trip over slcan on one pseudo-terminal": _slcan(figures.slcan),
+        "Frames against independent encoders": _tabulate_peers(figures.peers),
+        "Calibration of one joint through adapter and twin, beside the same joint alone": _tabulate_calibrations(
+            figures
+        ),
+        "Random and damaged frames": _tabulate_fuzz(figures.fuzz),
+        "A joint in its loop, with faults at random": _tabulate_soak(figures.soak),
+        "Encode, gate and decode, a joint, without the bus": _tabulate_cost(figures.cost),
+        "Round trip over slcan on one pseudo-terminal": _tabulate_slcan(figures.slcan),
     }
     sections = tuple(Section(title, (table,)) for title, table in tables.items() if table.rows)
     return StudyOutcome("Adapters", summary, figures, sections, figures.passed)
 
 
-def _peers(peers: Sequence[PeerComparison]) -> Table:
+def _tabulate_peers(peers: Sequence[PeerComparison]) -> Table:
     rows = tuple(
         (
             each.protocol,
@@ -79,7 +81,7 @@ def _peers(peers: Sequence[PeerComparison]) -> Table:
     return Table(("protocol", "peer", "commands", "identical", "differences and their reason", "unexplained"), rows)
 
 
-def _calibrations(figures: AdapterFigures) -> Table:
+def _tabulate_calibrations(figures: AdapterFigures) -> Table:
     rows = []
     for each in figures.calibrations:
         worst = each.worst
@@ -99,7 +101,7 @@ def _calibrations(figures: AdapterFigures) -> Table:
     return Table((*heads, "farthest off: difference, in standard errors"), tuple(rows))
 
 
-def _fuzz(results: Sequence[FuzzResult]) -> Table:
+def _tabulate_fuzz(results: Sequence[FuzzResult]) -> Table:
     rows = tuple(
         (
             each.protocol,
@@ -116,7 +118,7 @@ def _fuzz(results: Sequence[FuzzResult]) -> Table:
     return Table((*heads, "memory growth in the second half [KiB]"), rows)
 
 
-def _soak(results: Sequence[SoakResult]) -> Table:
+def _tabulate_soak(results: Sequence[SoakResult]) -> Table:
     rows = tuple(
         (
             each.protocol,
@@ -137,7 +139,7 @@ def _soak(results: Sequence[SoakResult]) -> Table:
     return Table((*heads, "foreign", "largest torque [of the limit]", "torque after an end", "memory [KiB]"), rows)
 
 
-def _cost(costs: Sequence[CycleCost]) -> Table:
+def _tabulate_cost(costs: Sequence[CycleCost]) -> Table:
     rows = tuple(
         (each.protocol, f"{each.n_joints}", f"{1e6 * each.seconds:.1f}", f"{each.units:.1f}", f"{LARGEST_COST:g}")
         for each in costs
@@ -145,7 +147,7 @@ def _cost(costs: Sequence[CycleCost]) -> Table:
     return Table(("protocol", "joints", "µs", "× bare Stribeck", "wanted at most with seven"), rows)
 
 
-def _slcan(trips: Sequence[RoundTrip]) -> Table:
+def _tabulate_slcan(trips: Sequence[RoundTrip]) -> Table:
     rows = tuple(
         (f"{each.n_frames}", each.echo, f"{1e6 * each.chunked:.0f}", f"{1e6 * each.bytewise:.0f}", f"{each.ratio:.1f}")
         for each in trips

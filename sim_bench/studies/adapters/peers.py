@@ -78,7 +78,7 @@ TRUNCATED = "the peer cuts off where the adapter rounds: one count lower in a fi
 CUT_ON_GRID = "the peer cuts off a value that lies on its code but for a rounding error of the 17th digit"
 
 
-def _mit(rng: random.Random, n: int) -> Iterator[Pair]:
+def _compare_mit(rng: random.Random, n: int) -> Iterator[Pair]:
     from damiao_motor.core.motor import DaMiaoMotor
 
     from fricomp.adapters.mit import MitCodec, MitRanges
@@ -95,7 +95,7 @@ def _mit(rng: random.Random, n: int) -> Iterator[Pair]:
         yield repr(values), mine, theirs, _judge_mit(mine, theirs, values, spans, on_grid)
 
 
-def _mit_fields(data: bytes) -> list[int]:
+def _read_mit_fields(data: bytes) -> list[int]:
     packed = int.from_bytes(data, "big")
     return [packed >> 48, packed >> 36 & 0xFFF, packed >> 24 & 0xFFF, packed >> 12 & 0xFFF, packed & 0xFFF]
 
@@ -104,14 +104,16 @@ def _judge_mit(
     mine: bytes, theirs: bytes, values: list[float], spans: list[tuple[float, float, int]], on_grid: bool
 ) -> str:
     """The reason if every differing field is one count apart, and ours the nearer."""
-    for a, b, value, (low, high, top) in zip(_mit_fields(mine), _mit_fields(theirs), values, spans, strict=True):
+    for a, b, value, (low, high, top) in zip(
+        _read_mit_fields(mine), _read_mit_fields(theirs), values, spans, strict=True
+    ):
         exact = (min(max(value, low), high) - low) / (high - low) * top
         if a != b and not (a - b == 1 and abs(a - exact) <= abs(b - exact)):
             return ""
     return CUT_ON_GRID if on_grid else TRUNCATED
 
 
-def _cybergear(rng: random.Random, n: int) -> Iterator[Pair]:
+def _compare_cybergear(rng: random.Random, n: int) -> Iterator[Pair]:
     """States: the peer has no encoder of commands, so that what both read from a random state is compared."""
     import can
     from robstride import Client
@@ -130,10 +132,10 @@ def _cybergear(rng: random.Random, n: int) -> Iterator[Pair]:
         theirs = peer._parse_feedback_resp(can.Message(arbitration_id=identifier, data=data), 7, 1)
         read = [theirs.angle, theirs.velocity, theirs.torque, theirs.temp]
         mine = [] if state is None else [state.position, state.velocity, state.torque, state.temperature]
-        yield data.hex(), _six_digits(mine), _six_digits(read), ""
+        yield data.hex(), _format_six_digits(mine), _format_six_digits(read), ""
 
 
-def _six_digits(values: list[float]) -> bytes:
+def _format_six_digits(values: list[float]) -> bytes:
     return struct.pack(f"<{len(values)}q", *(round(value * 1e6) for value in values))
 
 
@@ -141,7 +143,7 @@ def _six_digits(values: list[float]) -> bytes:
 
 
 @cache
-def _dbc(name: str) -> Any:
+def _load_dbc(name: str) -> Any:
     import cantools
 
     return cantools.database.load_string((files("odrive_can") / "dbc" / name).read_text(), "dbc")
@@ -150,11 +152,11 @@ def _dbc(name: str) -> Any:
 CUT_FEED_FORWARD = "the peer cuts off thousandths of feed-forward where the adapter rounds: one count nearer to zero"
 
 
-def _odrive(name: str) -> Callable[[random.Random, int], Iterator[Pair]]:
+def _compare_odrive(name: str) -> Callable[[random.Random, int], Iterator[Pair]]:
     def make(rng: random.Random, n: int) -> Iterator[Pair]:
         from fricomp.adapters.odrive.codec import input_frame
 
-        dbc = _dbc(name)
+        dbc = _load_dbc(name)
         for number in range(n):
             torque, velocity, position = rng.uniform(-30, 30), rng.uniform(-100, 100), rng.uniform(-100, 100)
             mode, message, signals = (
@@ -179,7 +181,7 @@ def _judge_odrive(mine: bytes, theirs: bytes, torque: float) -> str:
 # -- moteus, Dynamixel, CiA 402 -------------------------------------------------------------------------------------
 
 
-def _moteus(rng: random.Random, n: int) -> Iterator[Pair]:
+def _compare_moteus(rng: random.Random, n: int) -> Iterator[Pair]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import moteus
@@ -223,7 +225,7 @@ class _SdkPort:
         return len(packet)
 
 
-def _dynamixel(rng: random.Random, n: int) -> Iterator[Pair]:
+def _compare_dynamixel(rng: random.Random, n: int) -> Iterator[Pair]:
     from dynamixel_sdk import Protocol2PacketHandler
 
     from fricomp.adapters.dynamixel.packet import SyncWriter
@@ -242,7 +244,7 @@ def _dynamixel(rng: random.Random, n: int) -> Iterator[Pair]:
         yield repr(goals), mine, port.sent, NOT_STUFFED if b"\xff\xff\xfd" in bytes(parameters) else ""
 
 
-def _canopen(rng: random.Random, n: int) -> Iterator[Pair]:
+def _compare_canopen(rng: random.Random, n: int) -> Iterator[Pair]:
     import canopen
 
     from fricomp.adapters.canopen.drive import CanOpenDrive
@@ -274,11 +276,11 @@ def _canopen(rng: random.Random, n: int) -> Iterator[Pair]:
 
 
 PEERS: dict[str, tuple[str, Callable[[random.Random, int], Iterator[Pair]]]] = {
-    "canopen": ("canopen", _canopen),
-    "dynamixel": ("dynamixel-sdk", _dynamixel),
-    "mit": ("damiao-motor", _mit),
-    "mit, CyberGear states": ("robstride", _cybergear),
-    "moteus": ("moteus", _moteus),
-    "odrive 0.5": ("odrive-can", _odrive("odrive-cansimple-0.5.6.dbc")),
-    "odrive 0.6": ("odrive-can", _odrive("odrive-cansimple-0.6.10.dbc")),
+    "canopen": ("canopen", _compare_canopen),
+    "dynamixel": ("dynamixel-sdk", _compare_dynamixel),
+    "mit": ("damiao-motor", _compare_mit),
+    "mit, CyberGear states": ("robstride", _compare_cybergear),
+    "moteus": ("moteus", _compare_moteus),
+    "odrive 0.5": ("odrive-can", _compare_odrive("odrive-cansimple-0.5.6.dbc")),
+    "odrive 0.6": ("odrive-can", _compare_odrive("odrive-cansimple-0.6.10.dbc")),
 }

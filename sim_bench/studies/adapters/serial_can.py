@@ -58,18 +58,18 @@ class RoundTrip:
 
 def compare_slcan(n_frames: int, echo: Echo, repeats: int) -> RoundTrip:
     """Send frames together and wait for all of them, `repeats` times on each bus, over the same pseudo-terminal."""
-    with _terminal(echo) as (path, send_back):
+    with _open_terminal(echo) as (path, send_back):
         chunked = ChunkedSlcanBus(path)
-        first = _time(chunked, send_back, n_frames, repeats)
+        first = _measure_time(chunked, send_back, n_frames, repeats)
         chunked.shutdown()
         bytewise = can.Bus(interface="slcan", channel=path, bitrate=1_000_000, sleep_after_open=0.1)
-        second = _time(bytewise, send_back, n_frames, repeats)
+        second = _measure_time(bytewise, send_back, n_frames, repeats)
         bytewise.shutdown()
     return RoundTrip(n_frames, echo, first, second)
 
 
 @contextmanager
-def _terminal(echo: Echo) -> Iterator[tuple[str, Callable[[int], None]]]:
+def _open_terminal(echo: Echo) -> Iterator[tuple[str, Callable[[int], None]]]:
     """A pseudo-terminal, and what lets the frames come back."""
     device, user = os.openpty()
     tty.setraw(user)
@@ -77,7 +77,7 @@ def _terminal(echo: Echo) -> Iterator[tuple[str, Callable[[int], None]]]:
     if echo == "another process":
         process = subprocess.Popen([sys.executable, "-c", ECHO, str(device)], pass_fds=[device])
     try:
-        yield os.ttyname(user), _nothing if process is not None else partial(_send_back, device)
+        yield os.ttyname(user), _do_nothing if process is not None else partial(_send_back, device)
     finally:
         if process is not None:
             process.kill()
@@ -86,7 +86,7 @@ def _terminal(echo: Echo) -> Iterator[tuple[str, Callable[[int], None]]]:
         os.close(user)
 
 
-def _nothing(n_frames: int) -> None:
+def _do_nothing(n_frames: int) -> None:
     return
 
 
@@ -98,7 +98,7 @@ def _send_back(device: int, n_frames: int) -> None:
     os.write(device, data[data.index(b"t") :])
 
 
-def _time(bus: can.BusABC, send_back: Callable[[int], None], n_frames: int, repeats: int) -> float:
+def _measure_time(bus: can.BusABC, send_back: Callable[[int], None], n_frames: int, repeats: int) -> float:
     messages = [
         can.Message(arbitration_id=0x181 + number, data=bytes(range(8)), is_extended_id=False)
         for number in range(n_frames)

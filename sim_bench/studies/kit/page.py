@@ -70,19 +70,19 @@ def require_own_page(page: Path | None, study: str) -> None:
     if page.is_symlink() or page.is_dir():
         kind = "a folder" if page.is_dir() else "a link, which is not followed"
         raise OutputError(f"{page} is {kind}: choose another --page")
-    if page.exists() and _head(page.read_text("utf-8", "replace")) not in _heads(study):
+    if page.exists() and _read_head(page.read_text("utf-8", "replace")) not in _list_heads(study):
         raise OutputError(
             f"{page} is there already, and is no page of this study: choose another --page, or move it away"
         )
 
 
 @cache
-def _heads(study: str) -> frozenset[str]:
-    heads = {_head(path.read_text("utf-8")) for path in (_TEMPLATES / study).glob("*.md")}
+def _list_heads(study: str) -> frozenset[str]:
+    heads = {_read_head(path.read_text("utf-8")) for path in (_TEMPLATES / study).glob("*.md")}
     return frozenset(head for head in heads if head.startswith("#"))
 
 
-def _head(text: str) -> str:
+def _read_head(text: str) -> str:
     return text.partition("\n")[0].strip()
 
 

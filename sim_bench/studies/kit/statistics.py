@@ -37,10 +37,10 @@ class ShareEstimate(NamedTuple):
 
 def compute_share(hits: int, count: int) -> ShareEstimate:
     """Clopper-Pearson interval of a binomial share, at 95 %."""
-    return ShareEstimate(hits, count, *_exact_interval(hits, count))
+    return ShareEstimate(hits, count, *_compute_exact_interval(hits, count))
 
 
-def _exact_interval(hits: float, count: float) -> tuple[float, float]:
+def _compute_exact_interval(hits: float, count: float) -> tuple[float, float]:
     from scipy.stats import beta
 
     low = float(beta.ppf(0.025, hits, count - hits + 1.0)) if hits > 0.0 else 0.0
@@ -102,7 +102,7 @@ def compute_clustered_share(hits: Sequence[int], totals: Sequence[int]) -> Share
         between = of.size / (of.size - 1) * float(np.sum((of - share * out_of) ** 2)) / total**2
         few = float((t.ppf(0.975, total - 1.0) / t.ppf(0.975, of.size - 1.0)) ** 2)
         effective = min(share * (1.0 - share) / max(between, 1e-30), total) * few
-    low, high = _exact_interval(share * effective, effective)
+    low, high = _compute_exact_interval(share * effective, effective)
     return ShareEstimate(int(of.sum()), int(total), low, high)
 
 

@@ -122,7 +122,7 @@ def run_proof(
         done, _ = wait(waiting, return_when=FIRST_COMPLETED)
         for future in done:
             pending = waiting.pop(future)
-            result = _result_of(future, pending)
+            result = _get_result(future, pending)
             if isinstance(result, Prepared) and not (result.refused and pending.first):
                 _take_prepared(run, pending, result, submit, diagnose, progress)
             elif isinstance(result, Prepared):
@@ -141,7 +141,7 @@ def derive_salt(salt: str, case: str) -> str:
     return hashlib.sha256(f"{salt}:{case}".encode()).hexdigest()[:32]
 
 
-def _result_of(future: Future[Any], pending: _Pending) -> BlindAnswer | Prepared:
+def _get_result(future: Future[Any], pending: _Pending) -> BlindAnswer | Prepared:
     """What a worker gave; what failed in an unforeseen way counts against its own case, so that the others go on.
 
     A case that could not be made is refused; one whose worker was lost while it diagnosed has no answer.

@@ -114,7 +114,7 @@ def compute_figures(log: LoopLog, position: Sequence[float], frequency: float) -
     time = log.time
     error = log.signal("position_reference")[:, 0] - np.array(position[: len(time)])
     settled = time >= 0.5 / frequency
-    reversal = settled & _after_reversal(log.signal("velocity_reference")[:, 0])
+    reversal = settled & _select_after_reversal(log.signal("velocity_reference")[:, 0])
     return TrackingFigures(
         rms=compute_rms(error[settled]),
         reversal_rms=compute_rms(error[reversal]),
@@ -137,7 +137,7 @@ def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, Co
     adapter = SimulatedJointAdapter(default_joint(law=law, sensor=sensor, seed=case.seed))
     adapter.open()
     controller, _ = loop_of(case.bandwidth, sensor)
-    witness, compensator = Witness(controller, adapter), _compensator(case, sensor)
+    witness, compensator = Witness(controller, adapter), _make_compensator(case, sensor)
     if standing:
         reference = SineReference([0.0], case.frequency, [5e-4])  # an offset that the friction holds
     else:
@@ -148,7 +148,7 @@ def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, Co
     return witness, loop
 
 
-def _compensator(case: TrackingCase, sensor: SensorSettings) -> Compensator | None:
+def _make_compensator(case: TrackingCase, sensor: SensorSettings) -> Compensator | None:
     """The rivals get the full gain, and the direction smoothed as ours."""
     if case.method == "none":
         return None
@@ -163,7 +163,7 @@ def _compensator(case: TrackingCase, sensor: SensorSettings) -> Compensator | No
     return Compensator(model, period=PERIOD, source="reference", smoothing=smoothing, **({"gain": 1.0} | gain))
 
 
-def _after_reversal(velocity: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _select_after_reversal(velocity: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Samples within `REVERSAL_WINDOW` after the reference velocity changes its sign. Shape (n_samples,)."""
     near = np.zeros(len(velocity), dtype=bool)
     width = round(REVERSAL_WINDOW / PERIOD)

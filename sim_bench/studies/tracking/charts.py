@@ -26,7 +26,7 @@ def tracking_charts(rows: Sequence[StudyRow]) -> list[Chart]:
         name = f"tracking-{row.joint.name}-{row.bandwidth:g}hz-{row.amplitude:g}rad"
         title = f"{row.joint.title}, {row.bandwidth:g} Hz, {row.amplitude:g} rad"
         charts.append(Chart(name, title, tuple(panels), share_x=True, panel_height=220))
-    return [_bars(rows), *charts]
+    return [_draw_bars(rows), *charts]
 
 
 def _draw_error(figures: TrackingFigures, base: TrackingFigures, name: str, color: int) -> Panel:
@@ -39,7 +39,7 @@ def _draw_error(figures: TrackingFigures, base: TrackingFigures, name: str, colo
     return Panel(marks, "time [s]", "error [mrad]", f"{name}: RMS {rms:+.0%}, reversals {reversal:+.0%}")
 
 
-def _bars(rows: Sequence[StudyRow]) -> Chart:
+def _draw_bars(rows: Sequence[StudyRow]) -> Chart:
     names = tuple(f"{row.joint.name} {row.bandwidth:g} Hz {row.amplitude:g} rad" for row in rows)
     panels = []
     for index, title in enumerate(("whole motion", "0.3 s after reversals")):

@@ -124,7 +124,7 @@ def _record(settings: StandInSettings, model: FrictionModel, duration: float) ->
     loads = []
     for time in np.arange(0.0, duration, 0.01):
         _RECORDED.sample(float(time), state)
-        _controller(settings, _RECORDING_BANDWIDTH).load_into(load, JointFeedback(1), state)
+        _make_controller(settings, _RECORDING_BANDWIDTH).load_into(load, JointFeedback(1), state)
         loads.append(abs(load[0]))
     return log.recording(0, metadata), max(loads)
 
@@ -153,7 +153,7 @@ def _run(
     # Of any status: what is concealed may hide a Stribeck effect, and the curve is still what was measured.
     compensator = None if model is None else Compensator(model, period=PERIOD, loop=loop, any_status=True)
     with SimulatedJointAdapter(settings) as adapter:
-        controller = _controller(settings, bandwidth)
+        controller = _make_controller(settings, bandwidth)
         witness = Witness(controller, adapter)
         result = ControlLoop(
             adapter,
@@ -167,5 +167,5 @@ def _run(
     return result.log, witness.position
 
 
-def _controller(settings: StandInSettings, bandwidth: float) -> GravityController:
+def _make_controller(settings: StandInSettings, bandwidth: float) -> GravityController:
     return GravityController(loop_of(bandwidth, settings.joints[0].sensor)[0])

@@ -26,8 +26,8 @@ def build_library(data: BaselineData) -> dict[str, Samples]:
         "spring_torque": [data.position, data.position**2],
         "end_stop": [np.maximum(data.position - np.quantile(data.position, 0.93), 0.0)],
         "backlash": [-load * (np.abs(load) < 0.1 * np.abs(load).max())],
-        **_position_columns(data, sign),
-        **_memory_columns(data),
+        **_build_position_columns(data, sign),
+        **_build_memory_columns(data),
     }
     if data.temperature is not None:
         rise = data.temperature - data.temperature.mean()
@@ -35,7 +35,7 @@ def build_library(data: BaselineData) -> dict[str, Samples]:
     return {name: np.stack(columns, axis=1) for name, columns in library.items()}
 
 
-def _position_columns(data: BaselineData, sign: Samples) -> dict[str, list[Samples]]:
+def _build_position_columns(data: BaselineData, sign: Samples) -> dict[str, list[Samples]]:
     q, v = data.position, data.velocity
     wave = [f(n * q) * sign for n in (1, 2, 3, 4, 6) for f in (np.sin, np.cos)]
     motor = data.gear_ratio * q
@@ -44,7 +44,7 @@ def _position_columns(data: BaselineData, sign: Samples) -> dict[str, list[Sampl
     return {"position_coulomb": wave, "cogging": ripple, "kinematic_error": error}
 
 
-def _memory_columns(data: BaselineData) -> dict[str, list[Samples]]:
+def _build_memory_columns(data: BaselineData) -> dict[str, list[Samples]]:
     q, tau = data.whole.T
     heat = np.cumsum(tau**2 - np.mean(tau**2))[data.kept] * data.expected / tau.size
     loops = [_play(tau, width)[data.kept] for width in np.array([0.1, 0.3]) * np.abs(tau).max()]

@@ -33,7 +33,7 @@ def _whiten(data: BaselineData, columns: Samples) -> tuple[Samples, Samples]:
     return given - basis @ (basis.T @ given), wanted - basis @ (basis.T @ wanted)
 
 
-def _bic(columns: Samples, wanted: Samples) -> float:
+def _compute_bic(columns: Samples, wanted: Samples) -> float:
     left = wanted if columns.shape[1] == 0 else wanted - columns @ np.linalg.lstsq(columns, wanted, rcond=1e-8)[0]
     return float(wanted.size * np.log(np.mean(left**2)) + columns.shape[1] * np.log(wanted.size))
 
@@ -44,9 +44,9 @@ def greedy_bic(data: BaselineData) -> BaselineAnswer:
     projected = {name: _whiten(data, columns)[0] for name, columns in library.items()}
     wanted = _whiten(data, data.base)[1]
     chosen: list[str] = []
-    current, best = np.empty((wanted.size, 0)), _bic(np.empty((wanted.size, 0)), wanted)
+    current, best = np.empty((wanted.size, 0)), _compute_bic(np.empty((wanted.size, 0)), wanted)
     while len(chosen) < _LARGEST:
-        trials = {n: _bic(np.hstack([current, c]), wanted) for n, c in projected.items() if n not in chosen}
+        trials = {n: _compute_bic(np.hstack([current, c]), wanted) for n, c in projected.items() if n not in chosen}
         name = min(trials, key=lambda n: trials[n])
         if trials[name] >= best:
             break
@@ -55,7 +55,7 @@ def greedy_bic(data: BaselineData) -> BaselineAnswer:
     return BaselineAnswer(tuple(chosen), fit_columns(data, np.hstack([data.base, *(library[n] for n in chosen)])))
 
 
-def _names_by_size(contributions: dict[str, float]) -> tuple[str, ...]:
+def _sort_names_by_size(contributions: dict[str, float]) -> tuple[str, ...]:
     largest = max(contributions.values(), default=0.0)
     order = sorted(contributions, key=lambda name: -contributions[name])
     return tuple(name for name in order if contributions[name] > _NAMED * largest > 0.0)
@@ -68,11 +68,11 @@ def least_squares_all(data: BaselineData) -> BaselineAnswer:
     projected, wanted = _whiten(data, columns)
     scale = np.linalg.norm(projected, axis=0).clip(1e-12)
     solution = np.linalg.lstsq(projected / scale, wanted, rcond=1e-8)[0] / scale
-    names = _names_by_size(_contributions(library, projected, solution))
+    names = _sort_names_by_size(_measure_contributions(library, projected, solution))
     return BaselineAnswer(names, fit_columns(data, np.hstack([data.base, columns])))
 
 
-def _contributions(library: dict[str, Samples], projected: Samples, solution: Samples) -> dict[str, float]:
+def _measure_contributions(library: dict[str, Samples], projected: Samples, solution: Samples) -> dict[str, float]:
     found, start = {}, 0
     for name, columns in library.items():
         part = slice(start, start + columns.shape[1])
@@ -92,7 +92,7 @@ def sparse_regression(data: BaselineData) -> BaselineAnswer:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)
         model = LassoCV(cv=4, max_iter=2000, fit_intercept=False).fit(projected / scale, wanted)
-    names = _names_by_size(_contributions(library, projected, model.coef_ / scale))
+    names = _sort_names_by_size(_measure_contributions(library, projected, model.coef_ / scale))
     kept = columns[:, model.coef_ != 0.0]
     return BaselineAnswer(names, fit_columns(data, np.hstack([data.base, kept])))
 
@@ -118,14 +118,16 @@ def sysid_parameters(data: BaselineData) -> BaselineAnswer:
     train = ~data.held_out
 
     def residual(x: Samples, _: Any) -> tuple[list[Samples], None, None]:
-        return [(_joint_torque(data, x) - data.torque)[train]], None, None
+        return [(_compute_joint_torque(data, x) - data.torque)[train]], None, None
 
     with redirect_stdout(StringIO()):  # it prints its iterations and takes no order not to
         fitted, _ = sysid.optimize(parameters, residual, optimizer="scipy", verbose=False)
-    return BaselineAnswer((), compute_rms((_joint_torque(data, fitted.as_vector()) - data.torque)[data.held_out]))
+    return BaselineAnswer(
+        (), compute_rms((_compute_joint_torque(data, fitted.as_vector()) - data.torque)[data.held_out])
+    )
 
 
-def _joint_torque(data: BaselineData, x: Samples) -> Samples:
+def _compute_joint_torque(data: BaselineData, x: Samples) -> Samples:
     """Inverse dynamics of MuJoCo's hinge with moments, inertia, frictionloss and damping, in closed form."""
     gravity = -9.81 * (x[0] * np.cos(data.position) + x[1] * np.sin(data.position))
     friction = x[3] * np.sign(data.velocity) + x[4] * data.velocity
