@@ -155,7 +155,7 @@ def split_law(law: FrictionLaw) -> FrictionCurves:
             bristle = Bristle(term.sigma_0, getattr(term, "sigma_1", 0.0)) if isinstance(term, LuGre | Dahl) else None
             lag = term.lag if isinstance(term, LaggedStribeck | LaggedLuGre) else 0.0
     forward, reverse, load = dry[0] if dry else (_level(0.0), _level(0.0), LoadScaling())
-    ahead, back = _curve(forward, viscous), _curve(reverse, viscous)
+    ahead, back = _make_curve(forward, viscous), _make_curve(reverse, viscous)
     curves = FrictionCurves(ahead, back, load, smoothing, bristle, lag, tuple(extra))
     if not extra and curves.largest((-1.0, 1.0)) <= 0.0:
         raise ParameterError("the model's friction is zero everywhere: there is nothing to compensate")
@@ -181,7 +181,7 @@ def _level(torque: float) -> StribeckCurve:
     return StribeckCurve(torque, torque, 1.0, 0.0)
 
 
-def _curve(curve: StribeckCurve, viscous: float) -> CurveParameters:
+def _make_curve(curve: StribeckCurve, viscous: float) -> CurveParameters:
     return CurveParameters(
         curve.coulomb_torque,
         curve.static_torque - curve.coulomb_torque,

@@ -268,7 +268,7 @@ class SafetyGate:
         if now_ns < self._open_ns or now_ns < self._due_ns or not self._is_within(wanted):
             if not all(map(self._is_sane, wanted, self._torque_limits)):
                 return self._refuse(wanted, torque_out, now_ns)
-            wanted = self._bounded(wanted, now_ns)
+            wanted = self._bound_torque(wanted, now_ns)
         last[:] = torque_out[:] = wanted
         self._due_ns = now_ns + self._period_ns
         # Another thread may have tripped the gate while this one was computing.
@@ -283,7 +283,7 @@ class SafetyGate:
                 return False
         return True
 
-    def _bounded(self, wanted: list[float], now_ns: int) -> list[float]:
+    def _bound_torque(self, wanted: list[float], now_ns: int) -> list[float]:
         """Clamped, on the enable ramp, and within the steps that the time since the last command allows."""
         elapsed = max(now_ns - self._due_ns + self._period_ns, 0)
         steps = self._steps if elapsed >= self._period_ns else [rate * elapsed for rate in self._rates]
