@@ -11,15 +11,16 @@ TOKEN = re.compile(
 
 _QUANTITIES = {
     "position": """q pos position positions angle angles theta qpos winkel posizione phi ang displacement stroke weg
-        lage posicion posicao positie poloha pozycja angulo angolo hoek vinkel угол положение позиция координата кут θ φ
-        位置 角度 角 转角 轉角 각도 위치 fpos""",
+        lage posicion posicao positie poloha pozycja angulo angolo hoek vinkel kat uhel szog kulma aci konum
+        угол положение позиция координата кут θ φ 位置 角度 角 转角 轉角 각도 위치 fpos""",
     "velocity": """dq qd qdot geschw vel velo velocity velocities speed omega spd qvel dtheta thetadot geschwindigkeit
-        drehzahl vitesse velocidad velocidade velocita snelheid hastighet rychlost predkosc скорость швидкість ω
-        角速度 速度 转速 轉速 回転数 각속도 속도 fvel""",
+        drehzahl vitesse velocidad velocidade velocita snelheid hastighet rychlost predkosc nopeus hiz sebesseg
+        скорость швидкість ω 角速度 速度 转速 轉速 回転数 각속도 속도 fvel""",
     "acceleration": "ddq qdd qddot acc acceleration accelerations qacc beschleunigung ускорение",
     "torque": """tau torque torques effort efforts eff moment trq torq tq tor force drehmoment kraft couple coppia
-        koppel vridmoment pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",
-    "current": """current currents amps iq iqf curr strom courant corriente corrente ток струм 电流 電流 전류""",
+        koppel vridmoment momentti tork nyomatek pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",
+    "current": """current currents amps iq iqf curr strom courant corriente corrente akim virta
+        ток струм 电流 電流 전류""",
     "temperature": "temp temperature temperatures temperatur температура 温度 溫度 온도",
 }
 """Words for a quantity, in small letters without accents: English, and those of spreadsheets in other languages.
@@ -29,7 +30,8 @@ Single letters but q are left out: they are as often a joint's name."""
 TIMES: tuple[str, ...] = (
     *("t", "ts", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "tstamp", "elapsed", "date", "datum"),
     *("clock", "zeit", "uhrzeit", "zeitstempel", "temps", "heure", "tiempo", "hora", "fecha", "tempo", "tijd", "tid"),
-    *("czas", "cas", "время", "час", "时间", "時間", "时刻", "時刻", "시간", "tout", "ipoc", "zeitpunkt"),
+    *("czas", "cas", "zaman", "aika", "ido", "tout", "ipoc", "zeitpunkt"),
+    *("время", "час", "时间", "時間", "时刻", "時刻", "시간"),
 )
 """Words for a time."""
 

@@ -11,28 +11,32 @@ UNKNOWN_UNIT = "?"
 """Stands for a unit that is one, and that nobody here knows: its column is asked about and never taken as SI."""
 
 _SPELLED = {
-    "deg": "deg degree degrees grad mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg cdeg=cdeg cdegrees=cdeg"
-    " mrad=mrad urad=urad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad",
+    "deg": "deg degree degrees grad gradi graus grados graus·decimais degres degrés graden grader stopnie stopni stupne"
+    " stupnů fok градусы градусов 度 mdeg=mdeg mgrad=mdeg mdegrees=mdeg millidegrees=mdeg cdeg=cdeg cdegrees=cdeg"
+    " mrad=mrad urad=urad rad=rad rads=rad radian=rad radians=rad град рад=rad мрад=mrad 弧度=rad",
     "gon": "gon gons gradian gradians",
     "arcmin": "arcmin arcmins arcminute arcminutes arcsec=arcsec arcsecs=arcsec arcseconds=arcsec",
     "turns": "turn turns rev revs revolution revolutions rot rots rotation rotations mrev=mturns mrevs=mturns"
     " mturn=mturns mturns=mturns",
     "m": "m mm=mm cm=cm um=um inch=in in=in м мм=mm см=cm",
-    "rad/s": "rad/s radps mrad/s=mrad/s mdeg/s=mdeg/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
+    "rad/s": "rad/s 弧度/秒 度/秒=deg/s gradi/s=deg/s graus/s=deg/s grados/s=deg/s degrés/s=deg/s graden/s=deg/s"
+    " radps mrad/s=mrad/s mdeg/s=mdeg/s deg/s=deg/s dps=deg/s degps=deg/s рад/с град/с=deg/s grad/s=deg/s"
     " radians·per·second degrees·per·second=deg/s",
-    "rpm": "rpm 1/min u/min rev/min r/min min^-1 об/мин krpm=krpm",
+    "rpm": "rpm 1/min u/min umdr/min 转/分 转/分钟 tr/min giri/min obr/min omw/min"
+    " varv/min ot/min rev/min r/min min^-1 об/мин krpm=krpm",
     "turns/s": "turns/s turn/s rev/s rot/s rps hz",
     "m/s": "m/s mm/s=mm/s cm/s=cm/s in/s=in/s м/с мм/с=mm/s",
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
-    "Nm": "nm n·m mnm=mNm mn·m=mNm nmm=mNm n·mm=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm н·м нм мн·м=mNm"
+    "Nm": "nm n·m mnm=mNm mn·m=mNm nmm=mNm n·mm=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm danm=daNm dan·m=daNm"
+    " 牛米 牛·米 牛顿·米 н·м нм мн·м=mNm"
     " newton·meters newton·meter newton·metres",
     "kgf·cm": "kgf·cm kg·cm kgfcm kgcm kgf·m=kgf·m kg·m=kgf·m kgfm=kgf·m kgm=kgf·m",
     "gf·cm": "gf·cm g·cm gfcm gcm unm=uNm un·m=uNm",
     "in·lbf": "in·lbf in·lb lbf·in lb·in inlbf inlb lbin lbfin",
     "ft·lbf": "ft·lbf ft·lb lbf·ft lb·ft ftlbf ftlb lbft lbfft",
     "oz·in": "oz·in ozf·in in·oz in·ozf ozin ozfin inoz",
-    "N": "n kn=kN lbf=lbf kgf=kgf kip=kip н кн=kN",
-    "A": "a ma=mA amp=A amps=A ampere=A amperes=A arms=A a·rms=A apk=A ap=A а ма=mA",
+    "N": "n kn=kN dan=daN lbf=lbf kgf=kgf kip=kip н кн=kN",
+    "A": "a ma=mA amp=A amps=A ampere=A amperes=A arms=A a·rms=A apk=A ap=A а ма=mA 安 安培 毫安=mA",
     "V": "v mv=mV volt=V volts=V",
     "degC": "c degc ℃ k=K degf=degF",
     UNKNOWN_UNIT: "erpm",
@@ -80,15 +84,19 @@ _ATOMS = frozenset(
 _LONGEST_SYMBOL = 5
 """Letters of a symbol: what is shorter on both sides of a slash in brackets is a unit."""
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
+_COUNTED = re.compile(r"[\[(]\s*[x×]?\s*(\d*[.,]?\d+(?:[eE][+-]?\d+)?)\s*[x×*]?\s*([^\d\s\[\]()][^\[\]()]*)[\])]")
+"""A unit with a number before it in brackets: one of whole numbers is so many of it."""
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
-    r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|rad/sec|rad/s|rad_s|mrad|[uµμ]rad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
-    r"|turns/s|turns|rev/s|rev|mnm|nmm|n[·._*-]?cm|cnm|knm|nm|m?n[·._*]m|n[·._*-]mm|[uµμ]nm|[uµμ]n[·._*-]m|gf?[·._*-]?cm|kgf?[·._*-]?m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
+    r"(?<![A-Za-zА-яµμ])((?i:deg/sec|deg/s|deg_s|degps|dps|mdeg|deg|degrees|gradi|graus|grados|rad/sec|rad/s|rad_s|mrad|[uµμ]rad|rads|rad|1/min|min\^?-1|min⁻¹|u/min"
+    r"|turns/s|turns|rev/s|rev|mnm|nmm|n[·._*-]?cm|cnm|knm|dan[·._*-]?m|nm|m?n[·._*]m|n[·._*-]mm|[uµμ]nm|[uµμ]n[·._*-]m|gf?[·._*-]?cm|kgf?[·._*-]?m|kgf?[·._*-]?cm|in[·._*-]?lbf?|lbf?[·._*-]in|ft[·._*-]?lbf?|lbf?[·._*-]ft|ozf?[·._*-]?in|in[·._*-]ozf?"
     r"|lbf|kgf|kip|ma|mm/s|mm_s|mm|[uµμ]m|m/s|cm|degc|kn|mv|e?rpm"
     r"|(?:radians|degrees)[_ ]per[_ ]second|radians|newton[_ ]met(?:er|re)s?|amperes"
     r"|рад/с|град/с|об/мин|мрад|рад|град|мн[·.*⋅]?м|н[·.*⋅]?м|мм/с|мм|см|ма|кн)|[АНм]|°/s|°C|°|A(?!\d)|V(?!\d)|m(?!\d)|N|C(?!\d))(?![A-Za-zА-я])"
 )
+_WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | str.maketrans("・･•∙‧【】〔〕", "·····[][]")
+"""Letters, brackets and points between factors as Chinese and Japanese texts have them: `トルク（Ｎ・ｍ）`."""
 _REGISTER = re.compile(r"0x[0-9A-Fa-f]+")
 """Address of a register, whose last letter is no unit: `0x606C`."""
 _BEHIND_IN = re.compile(r"\bin ([^\s,;]+)$")
@@ -156,7 +164,7 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
         name: Of a column.
         begin: Where the word of its quantity begins.
     """
-    found = []
+    found, name = [], make_narrow(name)
     for match in _BRACKETS.finditer(name):
         unit = read_bracket(match.group(1))
         if unit and _STEP.search(name[: match.start()]):
@@ -247,6 +255,34 @@ def _read_phrase(matches: Sequence[re.Match[str]]) -> str:
     return _NAMES.get(spelled, UNKNOWN_UNIT if len(words) > 1 else "")
 
 
+def make_narrow(name: str) -> str:
+    """A name with letters, brackets and points of the usual width, each in its place."""
+    return name if name.isascii() else name.translate(_WIDE)
+
+
+class UnitStep(NamedTuple):
+    """What one of whole numbers is worth.
+
+    Attributes:
+        unit: Its name.
+        count: So many of it.
+    """
+
+    unit: str
+    count: float
+
+
+def find_unit_step(name: str) -> UnitStep | None:
+    """The unit with a number before it that stands in brackets, `(0.1 Nm)`, `[0.01A]`; None where none does.
+
+    Args:
+        name: Of a column.
+    """
+    found = _COUNTED.search(make_narrow(name))
+    unit = read_unit(found.group(2)) if found else ""
+    return UnitStep(unit, float(found.group(1).replace(",", "."))) if found and unit else None
+
+
 def read_unit(text: str) -> str:
     """Name of the unit that a text is; empty where it is none."""
     return _NAMES.get(_spell(text, bare=True), "")
@@ -287,8 +323,10 @@ def read_bracket(text: str) -> str:
 
 
 def _spell(text: str, *, bare: bool = False) -> str:
-    """A unit as the table has it: in small letters, a point between factors."""
-    text = text.strip().lower().replace("°c", "degc").replace("°", "deg").replace("µ", "u").replace("μ", "u")
+    """A unit as the table has it: in small letters of usual width, a point between factors."""
+    text = (
+        make_narrow(text).strip().lower().replace("°c", "degc").replace("°", "deg").replace("µ", "u").replace("μ", "u")
+    )
     text = re.sub(r"\bsec\b", "s", text).replace("²", "^2").replace("**2", "^2")
     if bare:
         text = re.sub(r"^(rad|deg|mm|m)_s$", r"\1/s", text)

@@ -26,7 +26,7 @@ from fricomp.recording.named.times.clock import find_stamps
 from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
-from fricomp.recording.unit_word import UNKNOWN_UNIT
+from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words, kind_of_unit
 from fricomp.recording.validity import Samples
 
 from .unnamed import Guess, GuessedJoint, guess_columns, render_guess
@@ -145,7 +145,7 @@ def _propose(path: Path, columns: Mapping[str, Samples], *, numbered: bool) -> s
     rate = read_head_facts(path).get("rate")
     guess = _prefer_named(guess_columns(left, _list_others(left), rate.value if rate is not None else 0.0), meanings)
     counted = [name for name, values in left.items() if are_counts(name, values)]
-    return render_guess(path, guess, numbered=numbered, counted=counted, beside=columns)
+    return render_guess(path, guess, numbered=numbered, counted=counted, columns=columns)
 
 
 def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) -> Guess:
@@ -158,6 +158,8 @@ def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) ->
         for channel in ("position", "velocity", *TORQUES)
     }
     torque = next((called[one] for one in TORQUES if called[one]), [])
+    if len(torque) == 1 and len(guess.joints) == 1 and not guess.joints[0].torque:
+        return guess._replace(joints=(guess.joints[0]._replace(torque=torque[0]),))
     if len(called["position"]) != 1 or len(torque) > 1 or (guess.joints and not torque):
         return guess
     velocity = called["velocity"][0] if len(called["velocity"]) == 1 else ""
@@ -167,7 +169,9 @@ def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) ->
 def _list_others(columns: Mapping[str, Samples]) -> list[str]:
     """Columns whose names say that they hold something else than a torque."""
     meanings = {name: read_column_name(name) for name in columns}
-    return [name for name, one in meanings.items() if one is not None and one.channel not in TORQUES]
+    kinds = {name: kind_of_unit(said[0].unit) for name in columns if (said := find_unit_words(name, -1))}
+    stated = [name for name, kind in kinds.items() if kind not in ("", "torque", "current", "voltage")]
+    return [*stated, *(name for name, one in meanings.items() if one is not None and one.channel not in TORQUES)]
 
 
 def _look_at(name: str, values: Samples, taken: list[tuple[str, ColumnMeaning]], left: str) -> InspectedColumn:

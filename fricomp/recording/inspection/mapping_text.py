@@ -45,7 +45,7 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         if metadata.torque_unit == "A" and "torque" in columns:
             column, meaning = columns["torque"]
             rule = f"torque = {{ column = {render_column(column, layout)}, scale = 0.1 }}"
-            lines.append(f"# {table}{rule}   # {_SCALE.format(unit=meaning.unit or 'A')}")
+            lines.append(f"# {table}{rule}   # {_SCALE.format(unit=_say_step(meaning))}")
     return "\n".join(lines) + "\n"
 
 
@@ -83,6 +83,12 @@ def describe_source(path: Path, layout: TextLayout | None) -> list[str]:
 
 def _scale(meaning: ColumnMeaning) -> list[str]:
     return [] if meaning.scale == 1.0 else [f"scale = {meaning.scale!r}"]
+
+
+def _say_step(meaning: ColumnMeaning) -> str:
+    """What one of a current's numbers is."""
+    unit = meaning.unit or "A"
+    return unit if meaning.scale == 1.0 else f"step of {meaning.scale:g} {unit}"
 
 
 def _rule(channel: str, column: str, unit: str, layout: TextLayout | None, *more: str) -> str:

@@ -8,22 +8,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fricomp.errors import RecordingError
-from fricomp.recording.checks.joint_fit import fit_joint
-from fricomp.recording.named.column import RAW_UNIT, read_column_name, read_column_unit, says_current
+from fricomp.recording.named.column import RAW_UNIT, find_bare_unit, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
 from fricomp.recording.named.head_fact import fill_head_facts
+from fricomp.recording.named.likely import find_likely_torque
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.named.times.clock import TICK, find_stamps
 from fricomp.recording.named.times.row_rate import estimate_row_rate
 from fricomp.recording.named.times.stamp_unit import TIME_UNITS, are_known_ticks
-from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
 
 from .mapping_text import describe_source, render_column
+from .worth import fill_worth, measure_worth
 
 _EVENLY = 0.95
 """Part of the steps of a time that are above zero."""
@@ -31,8 +30,6 @@ _FOLLOWS = 0.9
 """Correlation of a column with the rate of another one, from which on it is a velocity of it."""
 _BLOCKS = 2000
 """Averages of a column that are compared: single samples of an encoder tell no rate."""
-_EXPLAINED = 0.3
-"""Part of a torque's variance that inertia, friction and gravity of the motion explain at least."""
 _MOST_JOINTS = 12
 _FEWEST_SPARSE, _MOST_SPARSE = 0.05, 0.8
 """Part of the rows that have a number of a column with rows of its own."""
@@ -41,8 +38,10 @@ _FACTORS = tuple(k**sign for k in (1.0, 57.296, 9.5493, 6.2832, 1000.0, 60.0) fo
 """How much faster a position moves than its velocity says, where the units of both are in use: rad, deg, turns, rpm."""
 _NEAR = 0.08
 """Relative distance within which it is one of them."""
-_SAME = 0.995
-"""Correlation of two columns from which on both are the position: asked for and measured, of motor and joint."""
+_TWIN = 0.995
+"""Correlation with a velocity from which on a column is another one."""
+_FAR = 100.0
+"""Travel of whole numbers from which on they are counts, and no angles whose sine says anything."""
 _MOST_TRIED = 8
 """Columns of which each is tried as the position where none is the rate of another one."""
 _NANOSECONDS = 1e9
@@ -107,7 +106,7 @@ def guess_columns(columns: Mapping[str, Samples], known: Collection[str] = (), s
     taken = {name for pair in pairs for name in pair[:2]} | set(known)
     left = {name: values for name, values in others.items() if name not in taken}
     joints = [
-        GuessedJoint(position, velocity, _find_torque(seconds, others[position], left)[0], scale * (rate or 1.0))
+        GuessedJoint(position, velocity, _find_torque(seconds, others, position, velocity, left), scale * (rate or 1.0))
         for position, velocity, scale in pairs
     ] or (_find_without_velocity(seconds, others, left) if time or stated else [])
     in_order = tuple(sorted(joints, key=lambda one: list(columns).index(one.position)))
@@ -143,11 +142,11 @@ def _find_without_velocity(
     if len(columns) > _MOST_TRIED:
         return []
     tried = {
-        name: _find_torque(time, values, {k: v for k, v in torques.items() if k != name})
+        name: find_likely_torque(time, values, {k: v for k, v in torques.items() if k != name})
         for name, values in columns.items()
     }
-    best = max(tried, key=lambda name: tried[name][1], default="")
-    return [GuessedJoint(best, "", tried[best][0], 1.0)] if best and tried[best][0] else []
+    best = max(tried, key=lambda name: tried[name].explained, default="")
+    return [GuessedJoint(best, "", tried[best].name, 1.0)] if best and tried[best].name else []
 
 
 def _fill_sparse(time: Samples, columns: Mapping[str, Samples]) -> tuple[Samples, Mapping[str, Samples]]:
@@ -182,6 +181,11 @@ def _says_other(name: str) -> bool:
     return not name.isdigit() and not find_stamps([name])
 
 
+def _are_whole(values: Samples) -> bool:
+    """Whether a column holds whole numbers alone, as counts are, whose size its rate does not tell."""
+    return bool(np.all(values == np.round(values)))
+
+
 def _find_pairs(time: Samples, columns: Mapping[str, Samples], *, any_scale: bool) -> list[tuple[str, str, float]]:
     """Position, velocity, and how much faster the former moves than the latter says; the surest pairs first.
 
@@ -207,28 +211,17 @@ def _find_pairs(time: Samples, columns: Mapping[str, Samples], *, any_scale: boo
             break
         if a != b and not any(names[k] in pair[:2] for pair in found for k in (a, b)):
             scale = float(rates[a] @ blocks[b] / (blocks[b] @ blocks[b]))
-            if any_scale or any(abs(scale / factor - 1.0) < _NEAR for factor in _FACTORS):
+            if (
+                any_scale
+                or _are_whole(columns[names[a]])
+                or any(abs(scale / factor - 1.0) < _NEAR for factor in _FACTORS)
+            ):
                 found.append((names[a], names[b], scale))
     return found
 
 
-def _find_torque(time: Samples, position: Samples, columns: Mapping[str, Samples]) -> tuple[str, float]:
-    """The column that a rigid joint with friction explains best as its torque, and the part that it explains."""
-    best, chosen = _EXPLAINED, ""
-    for name, values in columns.items():
-        if abs(np.corrcoef(values, position)[0, 1]) > _SAME:
-            continue
-        try:
-            fit = fit_joint(Recording(time, position, values))
-        except RecordingError:
-            continue
-        if fit is not None and fit.can_be and fit.explained > best:
-            best, chosen = fit.explained, name
-    return chosen, best if chosen else 0.0
-
-
 def render_guess(
-    path: Path, guess: Guess, *, numbered: bool, counted: Collection[str] = (), beside: Collection[str] = ()
+    path: Path, guess: Guess, *, numbered: bool, counted: Collection[str] = (), columns: Mapping[str, Samples]
 ) -> str:
     """A mapping to edit.
 
@@ -237,20 +230,23 @@ def render_guess(
         guess: What its columns may hold.
         numbered: Whether they have numbers, and no names.
         counted: Names of columns that hold whole numbers alone: what one is worth has to be said.
-        beside: Names of all columns.
+        columns: All by name.
     """
     layout = read_layout(path) if path.is_file() and is_text(path) else None
 
-    def rule(channel: str, name: str) -> str:
+    def rule(channel: str, name: str, velocity: str = "") -> str:
         if numbered:
             return f"{channel} = {{ column = {name} }}"
         unit, is_asked = _read_stated_unit(name)
-        share = find_rating_parts(name, beside) if channel == "torque" else 0
+        share = find_rating_parts(name, columns) if channel == "torque" else 0
         asked = is_asked or is_of_axis(name) or (name in counted and not unit)
         scale = f"{'SUPPLY' if is_duty(name) else 'RATED'}/{share}" if share else "VALUE_OF_ONE" if asked else ""
         parts = [f"column = {render_column(name, layout)}", *([f'unit = "{unit}"'] if unit else [])]
         line = f"{channel} = {{ {', '.join([*parts, *([f'scale = {scale}'] if scale else [])])} }}"
-        return fill_head_facts(path, line, name)
+        line = fill_head_facts(path, line, name)
+        if channel != "position" or "VALUE_OF_ONE" not in line or not _are_whole(columns[name]):
+            return line
+        return fill_worth(line, _measure_worth(columns, guess, name, velocity), velocity)
 
     lines = [f"# {path.name}: a guess by what the numbers do and the names of its columns say. Correct it.", ""]
     if layout is not None:
@@ -270,15 +266,41 @@ def render_guess(
     for number, joint in enumerate(guess.joints, start=1):
         lines += ["", "[[joints]]", f'name = "joint_{number}"'] if several else []
         before = "channels." if several else ""
-        off = abs(joint.scale - 1.0) > 0.2
+        position = rule("position", joint.position, joint.velocity)
+        off = abs(joint.scale - 1.0) > 0.2 and "#" not in position
         remark = f"  # moves {joint.scale:.4g} times as far as the velocity says: another unit?" if off else ""
-        lines += [before + rule("position", joint.position) + remark]
+        lines += [before + position + remark]
         velocity = rule("velocity", joint.velocity) if joint.velocity else ""
         asked = "VALUE_OF_ONE" in velocity  # which no answer needs
         lines += [f"# {before}{velocity}  # where you know it"] if asked else [before + velocity] if velocity else []
         lines += [before + (rule("torque", joint.torque) if joint.torque else _UNSEEN[1])]
     lines += [] if guess.joints else list(_UNSEEN)
     return "\n".join(lines) + "\n"
+
+
+def _find_torque(
+    time: Samples, columns: Mapping[str, Samples], position: str, velocity: str, left: Mapping[str, Samples]
+) -> str:
+    """Name of the column that the motion explains best as its torque, and which is no second velocity."""
+    rate, way = columns[velocity], columns[position]
+    tried = {name: values for name, values in left.items() if abs(np.corrcoef(values, rate)[0, 1]) < _TWIN}
+    counts = _are_whole(way) and np.ptp(way) > _FAR
+    return find_likely_torque(time, way / np.ptp(way) if counts else way, tried).name
+
+
+def _measure_worth(columns: Mapping[str, Samples], guess: Guess, position: str, velocity: str) -> float:
+    """What one of a position in counts is, by the velocity beside it; 0 where nothing tells it."""
+    if not velocity:
+        return 0.0
+    rows = np.arange(columns[position].size, dtype=np.float64)
+    rate = guess.stated or guess.rate
+    if guess.time and not guess.nanoseconds and guess.unit:
+        time = columns[guess.time] * find_unit(guess.unit).factor
+    elif rate:
+        time = rows / rate
+    else:
+        return 0.0
+    return measure_worth(time, columns[position], columns[velocity], velocity)
 
 
 def _describe_facts(guess: Guess) -> list[str]:
@@ -296,7 +318,7 @@ def _find_si(name: str) -> str:
     """The unit of SI of what a name says; empty where it says none."""
     meaning = read_column_name(name) or read_column_unit(name)
     if meaning is None or meaning.unit in (RAW_UNIT, UNKNOWN_UNIT, ""):
-        return "A" if says_current(name) or (meaning is not None and meaning.channel == "current") else ""
+        return "A" if meaning is not None and meaning.channel == "current" else find_bare_unit(name)
     return find_unit(meaning.unit).si
 
 

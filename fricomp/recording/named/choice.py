@@ -17,14 +17,14 @@ from fricomp.recording.validity import Samples
 from .column import (
     REPEATED,
     ColumnMeaning,
+    find_bare_unit,
     name_joint,
     read_column_name,
     read_column_unit,
-    says_current,
     simplify_joint,
     without_observation,
 )
-from .device_unit import is_duty
+from .device_unit import is_duty, with_unit_step
 from .position_by_rate import find_position_by_rate, is_rate_of
 from .shared_rest import read_currents, read_shared_rests
 from .two_encoders import pair_encoders
@@ -102,7 +102,7 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         meaning = known.get(name) or (None if _REPEATED.search(name) else _read_by_unit(name, by_word))
         if meaning is None or (meaning.channel in channels and name not in asked) or not np.isfinite(values).any():
             continue
-        meaning = with_vendor_unit(name, meaning, columns)
+        meaning = with_unit_step(name, with_vendor_unit(name, meaning, columns), values)
         own = candidates.setdefault(simplify_joint(meaning.joint), {})
         own.setdefault(meaning.channel, []).append((name, meaning))
     return {joint: own for each in candidates.items() for joint, own in _separate_paths(*each).items()}
@@ -204,7 +204,7 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
             said = find_unit_words(name, -1)
             unit = unit_for(channel, said[0].unit) if said else ""
             unit = meaning.unit if meaning else unit
-            return ColumnMeaning(channel, joint, 3, "A" if channel == "torque" and says_current(name) else unit)
+            return ColumnMeaning(channel, joint, 3, (channel == "torque" and find_bare_unit(name)) or unit)
     return None
 
 

@@ -5,7 +5,15 @@ from dataclasses import dataclass
 
 from fricomp.recording.quantity_word import TOKEN, WANTED, WORDS, find_object, split_words
 from fricomp.recording.unit import UNITS
-from fricomp.recording.unit_word import UNKNOWN_UNIT, UnitWord, find_unit_words, kind_of_unit, read_unit, unit_for
+from fricomp.recording.unit_word import (
+    UNKNOWN_UNIT,
+    UnitWord,
+    find_unit_words,
+    kind_of_unit,
+    make_narrow,
+    read_unit,
+    unit_for,
+)
 
 _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "state": 1, "states": 1}
 _MEASURED |= dict.fromkeys(("feedback", "fb", "fdb", "fbk"), 1)
@@ -18,8 +26,8 @@ _MEASURED |= {"измеренный": 2, "измеренная": 2, "измер�
 as well. `tau_J` is a Franka's."""
 _RATES = {"dot": ("velocity", "acceleration"), "ddot": ("acceleration", "")}
 """Words behind that of a position or a velocity which make a derivative of it."""
-_CURRENT = re.compile(r"(?<![A-Za-z0-9])[iI](_?\d+$|_q(?![A-Za-z]))")
-"""`i_q`, `i0`, `I_3`: the letter alone is as often a row's number or a joint's name."""
+_CURRENT = re.compile(r"(?<![A-Za-z0-9])[iI](_?\d+$|_q(?![A-Za-z])|_act(?:ual)?(?:_?\d+)?$)")
+"""`i_q`, `i0`, `I_3`, `i_actual_2`: the letter alone is as often a row's number or a joint's name."""
 
 _MOTOR = ("motor", "rotor", "двигателя")
 _STATES = ("state", "states")
@@ -47,7 +55,7 @@ _AXES = ("i", "current", "currents", "curr", "cur", "amps", "strom", "voltage", 
 """Words beside which `q` and `d` are axes of the field."""
 
 _NO_CHANNEL: tuple[str, ...] = ("err", "error", "errors", "constant", "kt", "limit", "limits", "dimensions", "inertia")
-_NO_CHANNEL += ("std", "stdev", "stddev", "sd", "stderr", "sem", "variance")
+_NO_CHANNEL += ("min", "max", "std", "stdev", "stddev", "sd", "stderr", "sem", "variance")
 """Words of what is worked out from a channel, bounds it, or makes another one of it."""
 _SWITCHES = ("enable", "enabled", "mode", "status", "flag", "fault", "id")
 _OF_PATHS = (*_SWITCHES, "model")
@@ -124,7 +132,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
 
     `q_3`, `Position3`, `actual_q_2`, `tau_J:4`, `shoulder.effort`, `/joint_states/elbow/velocity`, `q_cmd[deg]:1`.
     """
-    name = without_observation(name)
+    name = without_observation(make_narrow(name))
     words = split_words(name)
     found = _find_quantity(name, words)
     if found is None:
@@ -192,6 +200,14 @@ def says_current(name: str) -> bool:
     meaning = read_column_name(name)
     is_letter = re.split(r"[/.]", name)[-1].strip().lower() == "i"
     return is_letter or (meaning is not None and meaning.channel == "current" and not meaning.unit)
+
+
+def find_bare_unit(name: str) -> str:
+    """The unit of a column that stands for a torque, where its words say it alone: A of a current, V of a voltage."""
+    if says_current(name):
+        return "A"
+    words = {word for word, _ in split_words(name)}
+    return "V" if words & set(_AXES[_AXES.index("voltage") :]) and not find_unit_words(name, -1) else ""
 
 
 def says_counts(name: str) -> bool:

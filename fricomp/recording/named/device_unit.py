@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words
+from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_step, find_unit_words, kind_of_unit, unit_for
 from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, says_counts
@@ -32,6 +32,8 @@ _POUNDS = ("lbf", "kip", "in·lbf", "ft·lbf")
 """`in` alone may be what goes in; beside these it is inches."""
 _LOGIX = re.compile(r"^(.+)\.(?:Torque|Current)(?:Feedback|Reference|Command|Trim)$")
 """Tags of an axis of Rockwell's controllers: per cent of the rating of its motor."""
+_SYSMAC = re.compile(r"^(.+\.(?:Act|Cmd))\.Trq$")
+"""The torque of an axis of Omron's controllers, in per cent of the rated one too."""
 _AXIS_VALUE = re.compile(r"(?:^|[./ _\]])f?Act(?:ual)?_?Pos(?:ition)?$")
 """Position of an axis as controllers of machines call it: in the unit that its project has chosen."""
 
@@ -44,7 +46,9 @@ def find_rating_parts(name: str, beside: Collection[str]) -> int:
         beside: Names of all columns.
     """
     tag = _LOGIX.match(name)
-    if _PER_CENT.search(name) or (tag and f"{tag.group(1)}.ActualPosition" in beside):
+    axis = _SYSMAC.match(name)
+    is_share = (tag and f"{tag.group(1)}.ActualPosition" in beside) or (axis and f"{axis.group(1)}.Pos" in beside)
+    if _PER_CENT.search(name) or is_share:
         return 100
     return 1000 if _PER_MILLE.search(name) else 0
 
@@ -76,6 +80,23 @@ def with_device_unit(name: str, meaning: ColumnMeaning, beside: Mapping[str, Sam
     if meaning.channel in ("position", "motor_position") and not meaning.unit and find_counts_beside(beside):
         return replace(meaning, unit=RAW_UNIT) if _are_whole(beside[name]) else meaning
     return meaning
+
+
+def with_unit_step(name: str, meaning: ColumnMeaning, values: Samples) -> ColumnMeaning:
+    """The meaning of whole numbers with what one of them is, where the name says it: `current (0.01 A)`.
+
+    Numbers that are not whole may have been multiplied by it before; they are asked about.
+
+    Args:
+        name: Of the column.
+        meaning: What its words say.
+        values: Shape (n_rows,).
+    """
+    step = find_unit_step(name) if meaning.unit == UNKNOWN_UNIT else None
+    is_of_it = step is not None and kind_of_unit(step.unit) in (meaning.channel.removesuffix("_reference"), "current")
+    if step is None or not is_of_it or not _are_whole(values):
+        return meaning
+    return replace(meaning, unit=unit_for(meaning.channel, step.unit), scale=step.count)
 
 
 def _has_pounds(names: Collection[str]) -> bool:

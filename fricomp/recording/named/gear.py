@@ -33,6 +33,17 @@ def find_gear(recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]
     return float(np.polyfit(rate, recording.velocity, 1)[0])
 
 
+def is_motors_velocity(recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
+    """Whether a recording has the velocity of its motor: by the name, or without an encoder of its own by the gear.
+
+    Args:
+        recording: Of a joint behind a gear.
+        own: Column and meaning by channel.
+    """
+    has_encoder = recording.motor_position is not None
+    return recording.velocity is not None and (not has_encoder or _is_of_motor("velocity", own))
+
+
 def _is_of_motor(channel: str, own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
     return re.search("motor|rotor|_m$", own[channel][0], re.IGNORECASE) is not None
 

@@ -21,7 +21,7 @@ from .column import RAW_UNIT, ColumnMeaning, name_joint
 from .degrees import read_wrapped_degrees, refuse_arm_in_degrees
 from .device_unit import are_counts, explain_unit, find_rating_parts, refuse_axis
 from .episodes import join_episodes
-from .gear import GEARED, bring_to_joint, find_gear, say_gear
+from .gear import GEARED, bring_to_joint, find_gear, is_motors_velocity, say_gear
 from .head_fact import say_head_facts
 from .missing import explain_missing, say_left_out
 from .quantity_files import is_quantity_folder, read_quantity_files
@@ -110,7 +110,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += [f"{path.name}, {recording.metadata.joint}: {finding.message}." for finding in found]
         ratio = find_gear(recording, own)
         notes += say_gear(path, ratio, own)
-        if abs(ratio) > GEARED and recording.motor_position is None:
+        if abs(ratio) > GEARED and is_motors_velocity(recording, own):
             kept = {name: values for name, values in recording.channels.items() if name != "velocity"}
             recording = Recording.from_channels(kept, recording.metadata)
             notes.append(f"{path.name}: {own.pop('velocity')[0]!r} is that of the motor, and was left out.")
@@ -231,6 +231,7 @@ def _to_si(
         if values.size != rows:
             raise RecordingError(f"{path}: {column!r} has {values.size} rows, and the time {rows}")
         converts = found is not None and (found.factor, found.offset) != (1.0, 0.0)
+        values = values if meaning.scale == 1.0 else values * meaning.scale
         table[channel] = values * found.factor + found.offset if found and converts else values
     return table
 

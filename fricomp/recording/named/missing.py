@@ -2,11 +2,12 @@
 
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from fricomp.errors import RecordingError
 from fricomp.recording.sources.can_frames import refuse_bytes
 from fricomp.recording.sources.reader import is_text
 from fricomp.recording.unit_word import find_unit_words, kind_of_unit
@@ -15,8 +16,9 @@ from fricomp.recording.validity import Samples
 from .choice import TORQUES, Chosen, list_names
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from .head_fact import say_head_facts
+from .likely import find_likely_torque
 from .source import read_first_lines
-from .times.clock import find_stamps
+from .times.clock import find_stamps, read_times
 
 _PHASE = re.compile(r"(?:^|[_./ ])(?:[iI]|[Pp]hase|[Cc]urrent)[_ ]?([abcuvwABCUVW])(?![A-Za-z])")
 """Name of the current of a phase: `i_a`, `phase_u`, `motor.current_C [A]`."""
@@ -24,6 +26,8 @@ _ADDS_UP = 0.1
 """Deviation of the sum of three currents, in that of each, up to which they are those of three phases."""
 _MOST_LEFT_OUT = 6
 """Columns that were not used, of which so many are named."""
+_MOST_TRIED = 12
+"""Columns of which each is tried as a torque."""
 _FIRST_ROWS = 4
 """Rows in which bytes in hexadecimal are looked for."""
 
@@ -45,9 +49,11 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
         what = "the position"
     said = {name: read_column_name(name) or read_column_unit(name) for name in columns}
     silent = [name for name, values in columns.items() if said[name] is None and _varies(values)]
-    silent = [name for name in silent if name not in find_stamps(columns) and not _rises_evenly(columns[name])]
+    silent = [name for name in silent if not (_goes_on(columns[name]) and name in find_stamps(columns))]  # `T` may not
+    silent = [name for name in silent if not _rises_evenly(columns[name])]
     silent = [name for name in silent if not _is_of_another(name, missing)]
-    likely = silent[0].partition(":")[0] if silent else ""
+    likely = _choose_likely(path, columns, chosen, silent) if missing == "torque" else silent[0] if silent else ""
+    likely = likely.partition(":")[0]
     such = (
         f", such as --channel {shlex.quote(f'{missing}={likely}')} where it is that one,"
         if likely and "and" not in what
@@ -61,6 +67,24 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
         f"and tau_1, say it by --channel {missing}=NAME{both}{such} or give a --mapping ('fricomp convert {path} "
         "--inspect' has one to edit)"
     )
+
+
+def _choose_likely(path: Path, columns: Mapping[str, Samples], chosen: Chosen, silent: Sequence[str]) -> str:
+    """Of columns whose names say nothing that which a joint explains as its torque; else the first."""
+    position = next((own["position"][0] for own in chosen.values() if "position" in own), "")
+    try:
+        time = read_times(path, columns).time
+    except RecordingError:
+        return silent[0] if silent else ""
+    if position not in columns or not _are_known(time, columns[position]):
+        return silent[0] if silent else ""
+    tried = {name: columns[name] for name in silent[:_MOST_TRIED] if _are_known(time, columns[name])}
+    return find_likely_torque(time, columns[position], tried).name or (silent[0] if silent else "")
+
+
+def _are_known(time: Samples, values: Samples) -> bool:
+    """Whether a column has a number in each row."""
+    return values.size == time.size and bool(np.isfinite(values).all())
 
 
 def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
@@ -104,6 +128,11 @@ def _has_torque(columns: Mapping[str, Samples]) -> bool:
 def _varies(values: Samples) -> bool:
     finite = values[np.isfinite(values)]
     return finite.size > 1 and bool(np.ptp(finite) > 0.0)
+
+
+def _goes_on(values: Samples) -> bool:
+    """Whether the known numbers of a column never fall. Shape (n_rows,)."""
+    return bool(np.all(np.diff(values[np.isfinite(values)]) >= 0.0))
 
 
 def _rises_evenly(values: Samples) -> bool:

@@ -93,11 +93,17 @@ def _with_said_units(columns: dict[str, Samples], words: Mapping[str, list[str]]
         elif last.lower().endswith(tuple(f"_{one}" for one in _UNITS)):
             said[name.rpartition("_")[0]] = units.pop()
     said.pop("", None)
-    owners = {name: name if name in said else name.rpartition(".")[0] for name in columns}
+    owners = {name: next((one for one in _list_owners(name) if one in said), "") for name in columns}
     return {
         f"{name} [{said[owner]}]" if owner in said and "[" not in name else name: columns[name]
         for name, owner in owners.items()
     }
+
+
+def _list_owners(name: str) -> tuple[str, str, str]:
+    """Under which names the unit of a column may be said: its own, that of what it is in, its last part."""
+    path, _, last = name.rpartition(".")
+    return name, path, last
 
 
 def choose_topics(path: Path) -> Source:

@@ -27,7 +27,7 @@ _GAPPED = re.compile(r"[+-]?\d{1,3}(?:([ \u00a0\u2009\u202f'’])\d{3})(?:\1\d{3
 _COMPACT = re.compile(r"(\d{8})[T_-](\d{6})(?:[._,-]?(\d{1,9}))?")
 """A date and time without marks within, as names of files have them: `20240314_235950_004`."""
 _FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d+)")
-_CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:;](\d+))?")
+_CLOCK = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{2})(?:[.,:;](\d+))?(?:\s?([AaPp])\.?[Mm]\.?)?")
 """A time of day, or a length of time in hours or in minutes."""
 _IEC = re.compile(r"L?T(?:IME)?#(?:[\d.]+(?:d|h|ms|us|ns|m|s)_?)+", re.IGNORECASE)
 _IEC_PART = re.compile(r"([\d.]+)(d|h|ms|us|ns|m|s)", re.IGNORECASE)
@@ -151,7 +151,9 @@ def _parse_stamp(text: str) -> float:
         text = f"{year}-{int(month):02d}-{int(day):02d} {clock.zfill(8)}"
     clock_time = _CLOCK.fullmatch(text)
     if clock_time and (clock_time.group(1) or clock_time.group(4)):
-        hours, minutes, seconds, rest = clock_time.groups("0")
+        hours, minutes, seconds, rest = clock_time.groups("0")[:4]
+        if clock_time.group(5):
+            hours = str(int(hours) % 12 + 12 * (clock_time.group(5) in "Pp"))
         return 3600.0 * int(hours) + 60.0 * int(minutes) + float(f"{seconds}.{rest}")
     if _IEC.fullmatch(text):
         return sum(float(number) * _IEC_UNITS[unit.lower()] for number, unit in _IEC_PART.findall(text))

@@ -17,6 +17,13 @@ _LEVELS = 6
 """Levels of nesting in which a table is looked for."""
 _PAIRS = ("values", "datapoints", "points", "data")
 """Where the pairs of time and value of a series stand."""
+_BOTH = (
+    ("x", "y"),
+    ("t", "y"),
+    ("t", "v"),
+    *((a, b) for a in ("time", "times", "timestamps") for b in ("value", "values")),
+)
+"""What both are called where each is a list: of the curves of plotly, of queries for metrics."""
 
 
 def tabulate(content: Any) -> Contents | None:
@@ -183,6 +190,9 @@ def _are_series(content: Any) -> bool:
 
 
 def _get_pairs(series: dict[str, Any]) -> list[Any]:
+    lists = {key: value for key, value in series.items() if isinstance(value, list) and len(value) >= _FEWEST_ROWS}
+    if len(lists) == 2 and any(set(lists) == set(both) for both in _BOTH) and len({*map(len, lists.values())}) == 1:
+        return [list(pair) for pair in zip(*lists.values(), strict=True)]
     pairs: list[Any] = next((series[name] for name in _PAIRS if isinstance(series.get(name), list)), [])
     is_long = len(pairs) >= _FEWEST_ROWS
     return pairs if is_long and all(isinstance(pair, list) and len(pair) == 2 for pair in pairs) else []

@@ -212,7 +212,7 @@ def test_registers_of_a_servo_are_known_with_their_numbers_behind_them(tmp_path:
 def test_a_position_that_its_name_says_is_proposed_beside_no_torque(tmp_path: Path) -> None:
     counts = np.round(np.stack([1e3 * TIME, POSITION / 1.53398e-3, np.abs(TORQUE) / 2.5e-3], axis=1))
     path = _write(tmp_path, ("f.csv", "ms,position,load\n" + _rows("{0:.0f},{1:.0f},{2:.0f}", counts)))
-    assert 'position = { column = "position", scale = VALUE_OF_ONE }' in inspect_log(path).guess
+    assert 'position = { column = "position", scale = 6.2832/COUNTS_A_TURN }' in inspect_log(path).guess
 
 
 def test_a_unit_of_the_user_behind_a_position_is_no_word_of_a_reference(tmp_path: Path) -> None:

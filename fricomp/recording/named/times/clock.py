@@ -13,10 +13,19 @@ from fricomp.recording.named.column import read_column_name
 from fricomp.recording.named.head_fact import read_head_facts
 from fricomp.recording.quantity_word import TIMES
 from fricomp.recording.unit import find_unit
+from fricomp.recording.unit_word import make_narrow
 from fricomp.recording.validity import Samples, find_readings
 
 from .row_rate import say_row_rate
-from .stamp_unit import TIME_UNIT, find_epoch_unit, guess_unit, measure_step, read_time_unit, require_known_ticks
+from .stamp_unit import (
+    TIME_UNIT,
+    find_epoch_unit,
+    guess_unit,
+    measure_step,
+    read_time_unit,
+    require_known_ticks,
+    require_slow,
+)
 
 _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|sys)"
 """Words that say whose clock it is, or since when it counts."""
@@ -42,6 +51,12 @@ _PERIOD = re.compile(
     re.IGNORECASE,
 )
 """Names of a single number that is the time from row to row."""
+_RATE = re.compile(
+    r"^(.*[/.])?((sampl\w*|log\w*|record\w*|data|row|control|update)[_ ]?)?(rate|freq|frequency|fps|hz)"
+    r"[_ ]?[\[(]?(hz)?[\])]?$|^(.*[/.])?(fs|f_s)$",
+    re.IGNORECASE,
+)
+"""Names of a single number that is how many rows come a second."""
 _TIME_UNIT = re.compile(rf"[\[(]\s*{TIME_UNIT}\s*[\])]\s*$", re.IGNORECASE)
 _ENDS_IN_UNIT = re.compile(r"[_ ](ms|us|µs|ns|msec|usec|nsec)$", re.IGNORECASE)
 _COUNTER = re.compile(
@@ -50,9 +65,9 @@ _COUNTER = re.compile(
 TICK = re.compile(r"(^|[/_. ])(sys)?ticks?([_ ]?(count|counter|cnt))?$", re.IGNORECASE)
 _MOTOR_STATE = re.compile(r"motor_?state", re.IGNORECASE)
 """The counter of milliseconds beside the motors' states of a robot by Unitree."""
-_SECONDS = re.compile(r"^(.*?)(secs?|seconds|s)$", re.IGNORECASE)
-_PARTS = dict.fromkeys(("nanosec", "nsec", "nsecs", "nanosecs", "nanoseconds", "ns"), 1e-09)
-_PARTS |= dict.fromkeys(("microsec", "usec", "usecs", "microsecs", "microseconds", "us"), 1e-06)
+_SECONDS = re.compile(r"^(.*?)(se[ck]s?|seconds|s)$", re.IGNORECASE)
+_PARTS = dict.fromkeys(("nanosec", "nsec", "nsecs", "nanosecs", "nanosek", "nanoseconds", "ns"), 1e-09)
+_PARTS |= dict.fromkeys(("microsec", "usec", "usecs", "microsecs", "mikrosek", "microseconds", "us"), 1e-06)
 """What the rest of a stamp is called, in whose name that of its seconds is changed, and what one of it is [s]."""
 _MOSTLY = 0.05
 """Part of the rows whose time must come later for a column to be one; stamps of a coarse clock are held for many."""
@@ -109,6 +124,7 @@ def _find_clocks_by_unit(columns: Mapping[str, Samples]) -> list[str]:
 
 def _is_time(name: str) -> bool:
     """Whether a column is called as a time: `robot_time`, or `RobotTime` in one word."""
+    name = make_narrow(name).replace("'", "")  # `/'Group'/'Time'`, as LabVIEW calls its channels
     return bool(_TIME.match(name) or _TIME.match(_WORD_BEGINS.sub("_", name)))
 
 
@@ -129,7 +145,10 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     """
     rows = max(values.size for values in columns.values()) if columns else 0
     period = {name: values for name, values in columns.items() if values.size == 1 < rows and _PERIOD.match(name)}
-    columns = {name: values for name, values in columns.items() if name not in period}
+    rates = {
+        name: float(values[0]) for name, values in columns.items() if values.size == 1 < rows and _RATE.match(name)
+    }
+    columns = {name: values for name, values in columns.items() if name not in period and name not in rates}
     split = _find_split_stamp(columns)
     stamps = [*find_stamps(columns), *_find_clocks_by_unit(columns)]
     stamps = [name for name in dict.fromkeys(stamps) if split is None or name not in split]
@@ -155,8 +174,9 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
             _require_times(path, steps, columns[steps])
             unit = read_time_unit(steps) or guess_unit(np.cumsum(columns[steps]))
             return RowTimes(steps, unit, np.cumsum(columns[steps]) * find_unit(unit).factor)
-        if rate is not None:
-            return _count_stated(columns, rate.value, rows)
+        said = {rate.value} if rate is not None else {one for one in rates.values() if 0.0 < one < float("inf")}
+        if len(said) == 1:
+            return _count_stated(columns, said.pop(), rows)
         if all(read_column_name(name) is None for name in columns):
             raise RecordingError(_explain_nameless(path, columns))
         raise RecordingError(
@@ -167,6 +187,8 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     time = columns[names[0]]
     finite = _require_times(path, names[0], time)
     unit = read_time_unit(names[0]) or guess_unit(finite)
+    if unit == "s" and not read_time_unit(names[0]):
+        require_slow(path, names[0], finite)
     return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
 
 

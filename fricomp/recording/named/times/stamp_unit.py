@@ -7,16 +7,18 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.unit import find_unit
+from fricomp.recording.unit_word import make_narrow
 from fricomp.recording.validity import Samples
 
 TIME_UNIT = (
-    r"(s|100[ _]?ns|secs?|seconds?|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|h|hrs?|hours?"
-    r"|с|сек|мс|мкс)"
+    r"(s|100[ _]?ns|secs?|seconds?|sek|ms|msecs?|milliseconds|us|µs|usecs?|ns|nsecs?|min|h|hrs?|hours?"
+    r"|с|сек|мс|мкс|秒|毫秒|微秒)"
 )
 """Units of a time as names state them, for a regular expression."""
 _SAID = re.compile(rf"(?<![a-zа-я]){TIME_UNIT}[\])]?$", re.IGNORECASE)
 _SPELLED = {
     "sec": "s",
+    "sek": "s",
     "secs": "s",
     "second": "s",
     "seconds": "s",
@@ -27,7 +29,19 @@ _SPELLED = {
     **dict.fromkeys(("100 ns", "100_ns"), "100ns"),
     **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
 }
-_SPELLED |= {"usec": "us", "usecs": "us", "nsec": "ns", "nsecs": "ns", "с": "s", "сек": "s", "мс": "ms", "мкс": "us"}
+_SPELLED |= {
+    "usec": "us",
+    "usecs": "us",
+    "nsec": "ns",
+    "nsecs": "ns",
+    "с": "s",
+    "сек": "s",
+    "мс": "ms",
+    "мкс": "us",
+    "秒": "s",
+    "毫秒": "ms",
+    "微秒": "us",
+}
 TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 """Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
 
@@ -38,6 +52,10 @@ _EPOCHS = (
 )
 """Least and largest stamp since 1970, from September 2001 on, and its unit; then the same of Windows' file times, since
 1601, and of the ticks of .NET, since the year 1, for the years 2000 to 2100."""
+_STEP_OF_DAY, _BEGIN_OF_DAY = 2.4e-6, 0.01
+"""Step of a part of a day, below which it is that of 5 Hz and more, and where a time of day begins at the earliest."""
+_SHORTEST = 1e-6
+"""Step of stamps without a unit [s], below which they are in no seconds."""
 _WHOLE_RATE = 1e-3
 """Relative distance from a whole number of rows a second up to which ticks are parts of a second."""
 _HELD = 0.2
@@ -46,7 +64,7 @@ _HELD = 0.2
 
 def read_time_unit(name: str) -> str:
     """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
-    said = _SAID.search(name)
+    said = _SAID.search(make_narrow(name).rstrip("'"))
     if said is None or said.start() == 0:
         return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
     return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
@@ -107,6 +125,27 @@ def require_known_ticks(path: Path, name: str, ticks: Samples) -> None:
 
 def _are_days(stamps: Samples, step: float) -> bool:
     """Whether these are days since 1900 or the year 0, as spreadsheets and MATLAB write dates: in seconds such steps
-    would be those of 50 kHz and more.
+    would be those of 50 kHz and more. A time of day is a part of one: in seconds its steps are those of 400 kHz.
     """
-    return step < 2e-5 and 1e4 < float(stamps[0]) < 1e6
+    first, last = float(stamps[0]), float(stamps[-1])
+    return (step < 2e-5 and 1e4 < first < 1e6) or (0.0 < step < _STEP_OF_DAY and _BEGIN_OF_DAY < first <= last < 2.0)
+
+
+def require_slow(path: Path, name: str, stamps: Samples) -> None:
+    """Refuse steps that no log has in seconds, where nothing says which unit they are in.
+
+    Args:
+        path: Of the log, for messages.
+        name: Of the time.
+        stamps: Its numbers, taken as seconds. Shape (n,).
+
+    Raises:
+        RecordingError: They are such steps.
+    """
+    step = measure_step(stamps)
+    if 0.0 < step < _SHORTEST:
+        raise RecordingError(
+            f"{path}: {name!r} states no unit, and goes on by {step:.4g} a row, in seconds {1e-6 / step:.3g} million "
+            f'rows a second: write time = {{ column = {name!r}, unit = "h", from_zero = true }} in a mapping, or '
+            '"min", or "d" of days, whichever it is (\'fricomp convert LOG --inspect --out log.toml\' begins one)'
+        )

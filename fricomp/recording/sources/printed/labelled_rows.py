@@ -20,10 +20,19 @@ _LABELLED = re.compile(
 )
 """A name, its number, which InfluxDB ends by `i` where it is whole, and a word behind it that may be its unit."""
 _STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
-_FIRST, _LAST = re.compile(rf"^\s*[\[(]?\s*({_STAMP})\s*[\])]?(?=[\s:;,]|$)"), re.compile(r"(?<=\s)(\d+(?:\.\d+)?)\s*$")
+_DAY = r"(?:(?:[A-Z][a-z]{2}\s+\d{1,2}|\d\d-\d\d)\s+(?=\d\d:))?"
+"""A day without its year before a time of day, as journals and phones write it: `Mar 10 23:59:50.004 host a[8]:`."""
+_FIRST, _LAST = (
+    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP})\s*[\])]?(?=[\s:;,]|$)"),
+    re.compile(r"(?<=\s)(\d+(?:\.\d+)?)\s*$"),
+)
 """A number without a label at an end of the line: when it was written."""
 _ASIDE = re.compile(r"[\[(](\d+(?:\.\d+)?)[\])]")
 """The same in brackets before the first label: `I (3120) motor: pos=0.1`, `[INFO] [1710460790.25] [node]: pos: 0.1`."""
+_DAY_LONG = 86400.0
+"""[s]"""
+_MEMBER = re.compile(r"<\w+\.(\w+): [^<>]{1,20}>")
+"""A member of an enumeration as Python shows it in front of what is said of it: `<Register.POSITION: 1>: 0.1`."""
 _STAMPS = "log time"
 _OPENS = re.compile(r"\s::\s*$")
 """End of a frame's line, below which stands what was decoded of it."""
@@ -43,7 +52,7 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
-    lines = _join_messages(lines)
+    lines = [_MEMBER.sub(r"\1", line) for line in _join_messages(lines)]
     labels = [len(_LABELLED.findall(line)) for line in lines[:FIRST_LINES]]
     if sum(count >= _FEWEST for count in labels) < 0.5 * len(labels):
         return None
@@ -92,6 +101,8 @@ def _read_stamps(lines: Sequence[str]) -> list[str]:
         if len(stamps) < len(lines):
             continue
         numbers = [parse_number(stamp, ".") for stamp in stamps]
-        if numbers and numbers[-1] > numbers[0] and all(a <= b for a, b in pairwise(numbers)):
+        over = any(":" in stamp and "-" not in stamp for stamp in stamps[:1])  # a time of day may pass midnight
+        steps = [b - a + (_DAY_LONG if over and b < a - 0.5 * _DAY_LONG else 0.0) for a, b in pairwise(numbers)]
+        if sum(steps) > 0.0 and min(steps) >= 0.0:
             return stamps
     return []

@@ -38,6 +38,8 @@ _PYTHON = re.compile(
 """A number or a list as Python shows it: `np.float64(0.1)`, `array([0.1, 0.2], dtype=float32)`, `tensor(0.1)`."""
 _SENTENCE = re.compile(r"^\$[A-Za-z]\w*,(.*)\*[0-9A-Fa-f]{2}\s*$")
 """A row as receivers of satellites write it, and devices that took that form over."""
+_NODE = re.compile(r"(?<![\"'])\bns=(\d+);(?=[isgb]=)")
+"""How OPC UA begins the name of a node that stands in no quotes."""
 _PUBLISHED = re.compile(r"^\s*(\d[\dT:.+Z-]*)[\s,;]+([A-Za-z/_][\w/.\[\]-]*)[\s,;]+([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*$")
 """When, on which topic and what, as a broker's client prints it: `1710460790.25 robot/elbow/position 0.1`."""
 _MOST_HEADINGS = 12
@@ -61,7 +63,7 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
         is_whole: Whether the last one has ended.
     """
     try:
-        lines = _join_quoted(_strip_checksums(lines))
+        lines = _join_quoted(_strip_checksums(_join_nodes(lines)))
         lines = tabulate_dump(lines) or tabulate_variables(lines) or tabulate_matrices(lines) or _read_python(lines)
         lines = tabulate_proto(lines) or tabulate_latex(lines) or lines
         lines = _unwrap(lines) or _join_decimals(lines) or lines
@@ -74,6 +76,13 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
     except csv.Error:
         return lines  # whose reader says what is wrong with it
     return tabulate_labelled(lines, is_whole=is_whole) or lines
+
+
+def _join_nodes(lines: list[str]) -> list[str]:
+    """The lines with a colon within the names of nodes, where semicolons stand between cells too: `ns=3;s=Axis.Pos`."""
+    if not any(_NODE.search(line) for line in lines[:FIRST_LINES]):
+        return lines
+    return [_NODE.sub(r"ns=\1:", line) for line in lines]
 
 
 def _join_quoted(lines: list[str]) -> list[str]:
