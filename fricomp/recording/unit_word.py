@@ -164,7 +164,7 @@ def find_unit_words(name: str, begin: int) -> list[UnitWord]:
         name: Of a column.
         begin: Where the word of its quantity begins.
     """
-    found, name = [], make_narrow(name)
+    found, name = list[UnitWord](), make_narrow(name)
     for match in _BRACKETS.finditer(name):
         unit = read_bracket(match.group(1))
         if unit and _STEP.search(name[: match.start()]):

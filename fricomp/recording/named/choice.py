@@ -204,7 +204,8 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
             said = find_unit_words(name, -1)
             unit = unit_for(channel, said[0].unit) if said else ""
             unit = meaning.unit if meaning else unit
-            return ColumnMeaning(channel, joint, 3, (channel == "torque" and find_bare_unit(name)) or unit)
+            bare = find_bare_unit(name) if channel == "torque" else ""
+            return ColumnMeaning(channel, joint, 3, bare or unit)
     return None
 
 

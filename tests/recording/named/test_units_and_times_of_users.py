@@ -226,7 +226,7 @@ def test_the_torque_of_an_axis_of_sysmac_is_in_per_cent(tmp_path: Path) -> None:
 )
 def test_what_a_count_is_worth_stands_in_the_mapping_that_is_proposed(head: str, said: str, tmp_path: Path) -> None:
     counts = [f"{one:.0f}" for one in POSITION * 65536 / (2.0 * np.pi)]
-    columns = [1e3 * TIME, counts, *([RPM] if "rpm" in head else []), TORQUE]
+    columns: list[np.ndarray | list[str]] = [1e3 * TIME, counts, *([RPM] if "rpm" in head else []), TORQUE]
     seen = inspect_log(write(tmp_path / "log.csv", head, *columns))
     assert seen.log is None
     assert re.search(said, seen.guess)
