@@ -38,7 +38,7 @@ class KeptModel:
     Attributes:
         path: Where it is.
         model: What it holds.
-        when: When it was identified, UTC.
+        when: When its recording was taken, where the model says it, else when it was identified; UTC.
         estimates: By dotted name: parameters of the law, or what the diagnosis says of base and effects.
         effects: What the diagnosis named; None for a model that none wrote.
     """
@@ -48,6 +48,11 @@ class KeptModel:
     when: datetime
     estimates: Mapping[str, Estimate]
     effects: tuple[str, ...] | None
+
+    @property
+    def is_dated(self) -> bool:
+        """Whether its date is that of its recording."""
+        return "recorded" in self.model.provenance.notes
 
 
 def read_kept(path: Path) -> KeptModel:
@@ -103,12 +108,12 @@ def _list_parameters(model: FrictionModel) -> dict[str, Estimate]:
 
 
 def _read_date(model: FrictionModel) -> datetime:
-    """When a model was made, UTC.
+    """When the recording of a model was taken, or where it does not say that when it was made, UTC.
 
     Raises:
         ParameterError: It does not say, or not as a date.
     """
-    said = model.provenance.created
+    said = model.provenance.notes.get("recorded") or model.provenance.created
     try:
         when = datetime.fromisoformat(said)
         return (when if when.tzinfo is not None else when.replace(tzinfo=UTC)).astimezone(UTC)

@@ -18,6 +18,7 @@ from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.errors import IdentificationError
 from fricomp.model import JointDynamics
 from fricomp.recording import Recording
+from fricomp.recording.metadata import RecordingMetadata, list_dates
 
 from .identification import Identification
 from .identify_settings import IdentifySettings
@@ -73,7 +74,7 @@ def identify_recording(
         notes += tell_what_else_acts(motion, samples)
         motion = doubt_for_step(doubt_for_degrees(motion, findings), findings)
     notes = [_rigid_sentence(motion, flag), *said, *notes, *_bound_notes(motion.friction)]
-    result = motion.friction if one_way else _with_rigid_body(motion)
+    result = _with_date(motion.friction if one_way else _with_rigid_body(motion), recording.metadata)
     return Identification(result, motion, None, tuple(notes), settings.to_facts(name), data)
 
 
@@ -86,6 +87,13 @@ def _with_rigid_body(motion: MotionIdentification) -> IdentificationResult:
         return result
     dynamics = JointDynamics(body.inertia, *body.gravity, offset=body.offset, torque_delay=motion.lag.value)
     return replace(result, model=replace(result.model, dynamics=dynamics))
+
+
+def _with_date(result: IdentificationResult, facts: RecordingMetadata) -> IdentificationResult:
+    """The result with when its recording was taken in its model, where that is known."""
+    made = result.model.provenance
+    made = replace(made, notes={**made.notes, **list_dates([facts])})
+    return replace(result, model=replace(result.model, provenance=made))
 
 
 def _bound_notes(result: IdentificationResult) -> list[str]:

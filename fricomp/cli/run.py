@@ -17,7 +17,7 @@ from fricomp.cli.option.panel import Overwrite, option_under, output_option
 from fricomp.cli.output import say_interrupted
 
 if TYPE_CHECKING:
-    from fricomp.adapters import JointAdapter
+    from fricomp.cli.sine_loop import LoopSetup
     from fricomp.control import ControlLoop, LoopResult
     from fricomp.control.loop.loop_log import LoopLog
     from fricomp.live.feed import LiveFeed
@@ -109,7 +109,7 @@ def run(
                 loop = setup.build_loop(sine, compensators, priority)
                 record(loop.log, setup.read_metadata())
                 runs.append(loop.log)
-                results[name] = _follow(name, adapter, loop, sine.duration, feed)
+                results[name] = _follow(name, setup, loop, sine.duration, feed)
         figures = _write_results(results, friction, out, 1.0 / rate)
     _print(figures, friction, results["with"])
     answer({"joints": [model.joint for model in friction], "out": out, **figures})
@@ -117,17 +117,22 @@ def run(
     open_page(out / "run.html", wanted=open_report)
 
 
-def _follow(name: str, adapter: JointAdapter, loop: ControlLoop, duration: float, feed: LiveFeed | None) -> LoopResult:
+def _follow(name: str, setup: LoopSetup, loop: ControlLoop, duration: float, feed: LiveFeed | None) -> LoopResult:
     """Run the loop for its time [s], watched where there is a live page.
 
     Raises:
         SafetyTrip: The safety gate stopped it.
     """
+    from fricomp.errors import SafetyTrip
+
     if feed is not None:
-        feed.attach(adapter)
+        feed.attach(setup.adapter)
         feed.show_duration(f"{name} compensation", duration)
     result = loop.run(duration)
-    result.raise_if_tripped()
+    try:
+        result.raise_if_tripped()
+    except SafetyTrip as trip:
+        raise SafetyTrip(f"{trip}{setup.explain_standing(result)}") from trip
     return result
 
 

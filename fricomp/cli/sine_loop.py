@@ -9,6 +9,7 @@ from fricomp.control import (
     Compensator,
     ControlLoop,
     LoopDynamics,
+    LoopResult,
     PositionController,
     RealTimeOptions,
     SineReference,
@@ -64,10 +65,28 @@ class LoopSetup:
                 f"the bus has {n} joints: give a model for each (got {len(models)}), and one inertia for all "
                 f"or one for each (got {len(inertia)})"
             )
+        self._stated = [limit.breakaway is not None for limit in adapter.options.limits]
         adapter.options = add_breakaway(adapter, models)
         bandwidth, *self.lags = loop
         self.adapter, self.models, self.period = adapter, models, period
         self.controller = PositionController.from_bandwidth(inertia * (n // len(inertia)), bandwidth)
+
+    def explain_standing(self, result: LoopResult) -> str:
+        """Whose friction the limit is by which a joint stands too long; nothing of any other stop."""
+        if result.trip is None or result.trip.reason != "frozen":
+            return ""
+        limits, joints = self.adapter.options.limits, self.adapter.capabilities.joints
+        whose = [
+            f"{limit.breakaway:.4g} of joint {joint.name!r} by the model of {model.joint!r}"
+            for limit, stated, joint, model in zip(limits, self._stated, joints, self.models, strict=True)
+            if not stated and limit.breakaway is not None
+        ]
+        if not whose:
+            return ""
+        return (
+            f". That limit is what the model says of its own joint ({', '.join(whose)}): where it is of another joint, "
+            "or was identified on another, give the model of the one that moves, or state breakaway in --config"
+        )
 
     def choose_compensators(self, gain: float | None) -> list[Compensator]:
         """One a joint, chosen for its loop; each says what it does."""

@@ -94,9 +94,15 @@ def _say_change(name: str, before: Estimate | None, after: Estimate | None) -> s
 
 
 def _say_span(history: JointHistory) -> list[str]:
-    """That dates are those of the files, where all models were made one after the other."""
+    """That dates are those of the identification, where some are, or all models were made one after the other."""
     first, last = history.models[0].when, history.models[-1].when
-    if len(history.models) < 2 or (last - first).total_seconds() > _ONE_SITTING:
+    dated = sum(one.is_dated for one in history.models)
+    if 0 < dated < len(history.models):
+        return [
+            f"Dates of {dated} of {len(history.models)} models are those of their recordings, of the others those of "
+            "the identification: their order may be another."
+        ]
+    if dated or len(history.models) < 2 or (last - first).total_seconds() > _ONE_SITTING:
         return []
     return [
         "All models were made within an hour: dates and changes a day are those of the identification, and not of the "

@@ -12,7 +12,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.checks.register import read_signed
 from fricomp.recording.finding import Finding
 from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
-from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
+from fricomp.recording.metadata import RecordingMetadata, format_date, metadata_from_fields
 from fricomp.recording.named.wanted import read_wanted
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample_checked
@@ -124,6 +124,12 @@ def _name_in(stem: str, name: str) -> str:
     return stem if name == _UNNAMED else f"{stem}/{name}"
 
 
+def _with_date(facts: RecordingMetadata, time: Samples | None) -> RecordingMetadata:
+    """The facts with when the first row was taken, where its stamp is a date and the mapping says none."""
+    begin = float(time[0]) if time is not None and time.size else 0.0
+    return facts if facts.recorded else replace(facts, recorded=format_date(begin))
+
+
 def _find_inside(folder: Path, name: str) -> Path | None:
     """The file of this name, where the mapping has it or directly in the folder; None where there is none."""
     return next((one for one in (folder / name, folder / Path(name).name) if one.exists()), None)
@@ -183,6 +189,7 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
         keep, source = _find_usable(plan, columns, rows)
         rows, findings = rows[keep], (*findings, *tell_bad_rows(keep, source))
     channels = _fill_all(plan, columns, rows)
+    facts = _with_date(plan.metadata, channels.get("time"))
     for name, rule in plan.channels.items():
         if rule.from_zero:
             channels[name] = channels[name] - channels[name][:1]
@@ -190,7 +197,7 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
         channels, told = mend(channels)
         findings += told
     try:
-        recording = Recording.from_channels(channels, plan.metadata)
+        recording = Recording.from_channels(channels, facts)
     except RecordingError as error:
         raise RecordingError(f"{path}, {plan.name}: {error}") from error
     if mapping.resample_rate is None:

@@ -1,6 +1,8 @@
 """What a recording's numbers mean: joint, motion, units and which side of the gear the torque is on."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from math import isfinite
 from typing import Any, Literal, get_args
 
@@ -15,6 +17,9 @@ TorqueKind = Literal["measured", "estimated", "commanded"]
 _SPELLINGS = {"Nm": "N·m", "N*m": "N·m", "N.m": "N·m", "N m": "N·m", "N⋅m": "N·m"}
 _CHOICES = {"motion": get_args(Motion), "torque_side": get_args(TorqueSide), "torque_kind": get_args(TorqueKind)}
 _POSITIVE = ("gear_ratio", "encoder_resolution", "velocity_limit", "clock_error")
+
+_EARLIEST, _LATEST = 1e9, 3e9
+"""Stamps since 1970 that are dates, from 2001 to 2065 [s]: smaller ones count since a start, larger ones since 1900."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,7 @@ class RecordingMetadata:
         velocity_limit: Largest speed of the joint [rad/s | m/s].
         continuous: The joint turns without end, so a long travel is nothing to wonder at.
         clock_error: Standard deviation of the stamps of the source from the instants of the samples [s].
+        recorded: When the first sample was taken, as ISO 8601 has it; empty where the log does not tell.
         source: Where the samples come from.
         extra: Anything else worth keeping, as JSON values. Treat as read-only.
 
@@ -53,6 +59,7 @@ class RecordingMetadata:
     velocity_limit: float | None = None
     continuous: bool = False
     clock_error: float | None = None
+    recorded: str = ""
     source: str = ""
     extra: dict[str, Any] = field(default_factory=dict)
 
@@ -73,6 +80,27 @@ class RecordingMetadata:
     def position_unit(self) -> str:
         """Unit of `position`: "rad" or "m"."""
         return "rad" if self.motion == "rotary" else "m"
+
+
+def list_dates(recordings: Iterable[RecordingMetadata]) -> dict[str, str]:
+    """What a model says of when its recordings were taken: `recorded`, the earliest; nothing where none tells.
+
+    Args:
+        recordings: Facts of all.
+    """
+    known = sorted(one.recorded for one in recordings if one.recorded)
+    return {"recorded": known[0]} if known else {}
+
+
+def format_date(seconds: float) -> str:
+    """A date and time of UTC as ISO 8601 has it; empty where it is of no year in which anything is logged.
+
+    Args:
+        seconds: Since 1970 [s].
+    """
+    if not _EARLIEST <= seconds < _LATEST:
+        return ""
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
 
 
 def channel_units(metadata: RecordingMetadata) -> dict[str, str]:

@@ -265,11 +265,11 @@ class UnitStep(NamedTuple):
 
     Attributes:
         unit: Its name.
-        count: So many of it.
+        worth: So many of it.
     """
 
     unit: str
-    count: float
+    worth: float
 
 
 def find_unit_step(name: str) -> UnitStep | None:

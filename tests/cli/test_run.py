@@ -93,6 +93,17 @@ def test_a_model_without_static_friction_leaves_the_gate_as_it_is(
     assert run_and_see_limits(model, tmp_path / "run", monkeypatch) is None
 
 
+def test_a_model_of_another_joint_is_told_as_what_stops_a_run(tmp_path: Path) -> None:
+    file = tmp_path / "friction.json"
+    law = FrictionLaw((Stribeck(StribeckCurve(0.02, 0.03, 0.05, 0.01)),))
+    save_model(FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)), joint="wrist"), file)
+    result = CliRunner().invoke(app, ["run", str(file), "--cycles", "1", "--out", str(tmp_path / "run")])
+    assert isinstance(result.exception, SafetyTrip), result.output
+    assert "frozen" in str(result.exception)
+    assert "0.045 of joint" in str(result.exception)
+    assert "by the model of 'wrist'" in str(result.exception)
+
+
 def test_a_breakaway_limit_that_is_configured_stays() -> None:
     limits = (JointLimits(5.0, 250.0, 8.0, breakaway=2.5), JointLimits(5.0, 250.0, 8.0), JointLimits(5.0, 250.0, 8.0))
     joints = [SimpleNamespace(torque_unit=unit) for unit in ("N·m", "N·m", "A")]

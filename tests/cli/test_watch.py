@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 
 from fricomp.cli.main import app
 from fricomp.laws import Coulomb, FrictionLaw, Viscous
-from fricomp.model import Covariance, FrictionModel, Provenance, Validity, save_model
+from fricomp.model import Covariance, FrictionModel, Provenance, Validity, load_model, save_model
 
 DEVIATION = 1e-3
 
@@ -64,6 +65,20 @@ def test_a_drift_a_jump_and_a_joint_that_stays_are_told_apart(tmp_path: Path) ->
     assert "Joint drifts over temperature" in page
     assert "Joint jumps over temperature" not in page
     assert page.index("Changed or drifting: drifts, jumps.") < page.index("Joint drifts: 8 models")
+
+
+def test_dates_are_those_of_the_recordings_where_they_are_known(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3, 0.3, 0.4])
+    files = [tmp_path / f"elbow-{day}" / "friction.json" for day in range(3)]
+    for day, file in zip((20, 10, 30), files, strict=True):
+        model = load_model(file)
+        notes = {"recorded": f"2025-01-{day:02d}T08:00:00+00:00"}
+        save_model(replace(model, provenance=replace(model.provenance, notes=notes)), file)
+    (joint,) = json.loads(call(tmp_path, "--json").stdout)["joints"]
+    assert [one["when"][:10] for one in joint["models"]] == ["2025-01-10", "2025-01-20", "2025-01-30"]
+    assert [one["when"] for one in joint["changes"]] == ["2025-01-30 08:00"]
+    write_models(tmp_path / "later", "elbow", [0.3])
+    assert "dates of 3 of 4 models are those of their recordings" in " ".join(call(tmp_path).output.split())
 
 
 def write_diagnoses(folder: Path, joint: str, coulomb: list[float], effects: list[list[str]]) -> None:

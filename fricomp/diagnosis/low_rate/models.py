@@ -27,6 +27,7 @@ from fricomp.laws import (
 )
 from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
 from fricomp.recording import Recording
+from fricomp.recording.metadata import list_dates
 from fricomp.root_mean_square import compute_rms
 
 from ..inputs.rigid import RigidJoint
@@ -75,7 +76,11 @@ def write_plain_model(recordings: Sequence[Recording], motion: RecordedMotion) -
             position=(min(float(one.min()) for one in positions), max(float(one.max()) for one in positions)),
             acceleration=(float(change.min()), float(change.max())),
         ),
-        provenance=Provenance(method="diagnosis", data_sha256=recordings[0].content_hash),
+        provenance=Provenance(
+            method="diagnosis",
+            data_sha256=recordings[0].content_hash,
+            notes=list_dates(one.metadata for one in recordings),
+        ),
         dynamics=JointDynamics(
             inertia=0.1 * size / max(float(np.std(change)), 1e-12),
             gravity_cosine=0.0,

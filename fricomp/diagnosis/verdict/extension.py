@@ -11,6 +11,7 @@ from fricomp.laws import BidirectionalStribeck, FrictionLaw, LaggedLuGre, Lagged
 from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
 from fricomp.model.plausibility import find_impossible
 from fricomp.recording import Recording
+from fricomp.recording.metadata import list_dates
 
 from ..effects import Context
 from ..effects.spring import SPRING, combine_springs
@@ -156,7 +157,9 @@ def _write_model(
             temperature=_find_range(context.channels["temperature"] for context in contexts) if warm else None,
         ),
         provenance=Provenance(
-            method="diagnosis", data_sha256=recordings[0].content_hash, notes={"torque_offset": said}
+            method="diagnosis",
+            data_sha256=recordings[0].content_hash,
+            notes={"torque_offset": said, **list_dates(one.metadata for one in recordings)},
         ),
         dynamics=dynamics if metadata.motion == "rotary" else replace(dynamics, gravity_cosine=0.0, gravity_sine=0.0),
     )

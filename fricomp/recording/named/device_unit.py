@@ -96,7 +96,7 @@ def with_unit_step(name: str, meaning: ColumnMeaning, values: Samples) -> Column
     is_of_it = step is not None and kind_of_unit(step.unit) in (meaning.channel.removesuffix("_reference"), "current")
     if step is None or not is_of_it or not _are_whole(values):
         return meaning
-    return replace(meaning, unit=unit_for(meaning.channel, step.unit), scale=step.count)
+    return replace(meaning, unit=unit_for(meaning.channel, step.unit), scale=step.worth)
 
 
 def _has_pounds(names: Collection[str]) -> bool:

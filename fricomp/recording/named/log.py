@@ -8,7 +8,7 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
-from fricomp.recording.metadata import RecordingMetadata
+from fricomp.recording.metadata import RecordingMetadata, format_date
 from fricomp.recording.recording import Recording
 from fricomp.recording.runs import integrate, order_runs, sort_rows
 from fricomp.recording.stamps import spread_held, with_row_rate
@@ -87,7 +87,9 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         RecordingError: The columns do not say where time, position or torque is.
     """
     asked = set(channels.values())  # `t` may be a torque
-    column, unit, time = read_times(path, {name: values for name, values in columns.items() if name not in asked})
+    column, unit, time, begin = read_times(
+        path, {name: values for name, values in columns.items() if name not in asked}
+    )
     chosen = choose_columns(path, columns, channels)
     moved = [joint for joint, own in chosen.items() if "position" in own]
     source = next((one for one in TORQUES if any(one in chosen[joint] for joint in moved)), "")
@@ -119,6 +121,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         findings += found
         recording, settled = settle_units(path, recording, own, (column, unit))
         notes += settled
+        recording = recording.with_metadata(recorded=format_date(begin))
         recordings.append(mark_assumed(recording, own))
         refuse_unstated(path, recording, own)
         sources[recording.metadata.joint] = {"time": (column, ColumnMeaning("time", "", 0, unit)), **own}

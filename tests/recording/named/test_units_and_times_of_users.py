@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fricomp.api.identify import IdentifySettings, identify_source
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, convert, load_mapping
 from fricomp.recording.file import read_content
@@ -161,6 +162,33 @@ def test_a_time_that_is_in_no_seconds_is_asked_about(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", "time,q,tau", [f"{one / 3.6e6:.15f}" for one in TIME], POSITION, TORQUE)
     with pytest.raises(RecordingError, match=r'million rows a second: write time = .* unit = "h"'):
         read_named_log(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "unit"),
+    [("time", 1.773e9, 1.0), ("stamp_ms", 1.773e12, 1e3), ("filetime [100 ns]", (1.773e9 + 11_644_473_600) * 1e7, 1e7)],
+)
+def test_a_recording_knows_when_it_was_taken_where_its_stamps_are_dates(
+    name: str, first: float, unit: float, tmp_path: Path
+) -> None:
+    stamps = [f"{first + unit * one:.3f}" for one in TIME]
+    path = write(tmp_path / "log.csv", f"{name},q,tau", stamps, POSITION, TORQUE)
+    (recording,) = read_named_log(path).recordings
+    assert recording.metadata.recorded == "2026-03-08T20:00:00.000+00:00"
+    result = identify_source(recording, IdentifySettings()).result
+    assert result.model.provenance.notes["recorded"] == recording.metadata.recorded
+    since_start = write(tmp_path / "other.csv", "time,q,tau", TIME, POSITION, TORQUE)
+    assert read_named_log(since_start).recordings[0].metadata.recorded == ""
+
+
+def test_a_mapping_keeps_the_date_as_well(tmp_path: Path) -> None:
+    path = write(tmp_path / "log.csv", "a,b,c", [f"{1.773e12 + 1e3 * one:.3f}" for one in TIME], POSITION, TORQUE)
+    mapping = tmp_path / "log.toml"
+    rules = ['time = { column = "a", unit = "ms", from_zero = true }', 'position = { column = "b" }']
+    rules.append('torque = { column = "c" }')
+    mapping.write_text("\n".join(["[source]", "header = true", "[channels]", *rules]) + "\n")
+    (found,) = convert(path, load_mapping(mapping))
+    assert found.recording.metadata.recorded == "2026-03-08T20:00:00.000+00:00"
 
 
 def test_steps_in_a_name_are_what_whole_numbers_are_worth(tmp_path: Path) -> None:

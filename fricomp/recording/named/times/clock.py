@@ -19,6 +19,7 @@ from fricomp.recording.validity import Samples, find_readings
 from .row_rate import say_row_rate
 from .stamp_unit import (
     TIME_UNIT,
+    find_date,
     find_epoch_unit,
     guess_unit,
     measure_step,
@@ -74,11 +75,8 @@ _MOSTLY = 0.05
 
 _FAR_MORE_EVEN = 0.5
 """Unevenness over that of the clock with the plainest name, below which another clock is taken."""
-
 PARTS_OF_SECONDS = {1e-9: " + 1e-9 ", 1e-6: " + 1e-6 ", 1e-3: " + 1e-3 "}
 """What stands between the names of two columns that are one time, by what one of the second is [s]."""
-
-
 _RESTS = {
     re.compile(r"(time[_ ]?)?(ms|msecs?|millis|milliseconds?)", re.IGNORECASE): 1e-3,
     re.compile(r"(time[_ ]?)?(us|usecs?|micros|microseconds?)", re.IGNORECASE): 1e-6,
@@ -98,11 +96,13 @@ class RowTimes(NamedTuple):
         column: Its name, or those of seconds and of the rest with one of `PARTS_OF_SECONDS` between.
         unit: Of the column, by name.
         time: Since the first row [s]. Shape (n_rows,).
+        begin: Of the first row since 1970, where the stamps are dates; else anything smaller [s].
     """
 
     column: str
     unit: str
     time: Samples
+    begin: float = 0.0
 
 
 def find_stamps(columns: Iterable[str]) -> list[str]:
@@ -162,7 +162,7 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
         whole, rest, one = split
         seconds, parts = columns[whole], columns[rest]
         time = (seconds - seconds[0]) + one * (parts - parts[0])
-        return RowTimes(f"{whole}{PARTS_OF_SECONDS[one]}{rest}", "s", time)
+        return RowTimes(f"{whole}{PARTS_OF_SECONDS[one]}{rest}", "s", time, float(seconds[0]))
     names = names or _find_epochs(columns)
     if not names and (ticks := _find_ticks(columns)):
         return _read_ticks(path, ticks[0], columns[ticks[0]])
@@ -189,7 +189,8 @@ def read_times(path: Path, columns: Mapping[str, Samples]) -> RowTimes:
     unit = read_time_unit(names[0]) or guess_unit(finite)
     if unit == "s" and not read_time_unit(names[0]):
         require_slow(path, names[0], finite)
-    return RowTimes(names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor))
+    since = np.asarray((time - finite[0]) * find_unit(unit).factor)
+    return RowTimes(names[0], unit, since, find_date(float(finite[0]), unit))
 
 
 def _are_steps(values: Samples) -> bool:

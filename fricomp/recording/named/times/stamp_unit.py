@@ -52,6 +52,10 @@ _EPOCHS = (
 )
 """Least and largest stamp since 1970, from September 2001 on, and its unit; then the same of Windows' file times, since
 1601, and of the ticks of .NET, since the year 1, for the years 2000 to 2100."""
+_SINCE_1601, _SINCE_YEAR_1 = 11_644_473_600.0, 62_135_596_800.0
+"""Seconds from where file times of Windows and ticks of .NET begin to 1970."""
+_MATLAB_1970, _SHEETS_1970 = 719_529.0, 25_569.0
+"""The first day of 1970 as MATLAB and as spreadsheets number it."""
 _STEP_OF_DAY, _BEGIN_OF_DAY = 2.4e-6, 0.01
 """Step of a part of a day, below which it is that of 5 Hz and more, and where a time of day begins at the earliest."""
 _SHORTEST = 1e-6
@@ -91,6 +95,21 @@ def find_epoch_unit(stamps: Samples, step: float) -> str:
         if least <= stamps[0] and stamps[-1] <= most and step * find_unit(one).factor <= TIME_UNITS[0][0]:
             return one
     return ""
+
+
+def find_date(stamp: float, unit: str) -> float:
+    """Seconds since 1970 at a stamp in this unit, whatever it counts from; one that is no date stays what it is [s].
+
+    Args:
+        stamp: The first one of a log.
+        unit: Name of its unit.
+    """
+    seconds = stamp * find_unit(unit).factor
+    if unit == "100ns":
+        return seconds - _SINCE_YEAR_1 if stamp > _EPOCHS[-1][0] else seconds - _SINCE_1601
+    if unit == "d":
+        return seconds - 86400.0 * (_MATLAB_1970 if stamp > _MATLAB_1970 / 2.0 else _SHEETS_1970)
+    return seconds
 
 
 def are_known_ticks(ticks: Samples) -> bool:
