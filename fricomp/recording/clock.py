@@ -33,7 +33,8 @@ _WANDER_ROWS = 100
 _MOST_BENT = 0.1
 """Part of a period by which the grid may change from row to row; two rates in turns differ by more."""
 _STEADY = 0.02
-"""Deviation of all steps from a period, in periods, up to which no row is missing, whatever the clock's rate does."""
+"""Deviation of all steps from whole periods, in periods, up to which they count the rows by themselves, whatever the
+clock's rate does."""
 _GUESSED, _GUESSED_WELL = 10, 200
 """Stamps that tell a period as well as a guess: one by steps of which one in twenty is two periods, and a right one."""
 _SURE = 0.2
@@ -188,8 +189,10 @@ def _follow_wander(off: Samples) -> Samples:
 
 def _count_periods(time: Samples, position: Samples, period: float, known: Samples, told_by: int) -> RowNumbers:
     """Number of each sample on its grid, in which rows may be missing."""
-    if np.max(np.abs(np.diff(time) - period)) < _STEADY * period:
-        return RowNumbers(known, 0.0)
+    periods = np.diff(time) / period
+    steps = np.round(periods)
+    if steps.min() >= 1.0 and np.max(np.abs(periods - steps)) < _STEADY:
+        return RowNumbers(np.concatenate([known[:1], known[0] + np.cumsum(steps)]), 0.0)
     return count_rows(time, position, period, known, told_by)
 
 

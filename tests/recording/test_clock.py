@@ -53,6 +53,19 @@ def test_missing_rows_are_no_error_of_the_clock() -> None:
     np.testing.assert_array_equal(mended.time, thinned.time)
 
 
+def test_rows_missing_of_an_even_clock_are_counted_by_it_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    def guess(*_: object) -> None:
+        raise AssertionError("its steps are whole periods: nothing is to be guessed, which takes seconds in a long log")
+
+    monkeypatch.setattr("fricomp.recording.clock.count_rows", guess)
+    log = joint_log(20.0, 1000.0, 11)
+    kept = np.ones(len(log), dtype=bool)
+    kept[[31, 700, 701, 9000, 15000]] = False
+    mended, clock = mend_clock(log.rows(kept))
+    assert not clock.mended
+    np.testing.assert_array_equal(mended.time, log.time[kept])
+
+
 def test_two_parts_of_a_log_have_each_their_own_grid() -> None:
     log = joint_log(20.0, 300.0, 8)
     stamps = np.round(np.where(log.time > 10.0, log.time + 7.0016, log.time), 3)
