@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from fricomp.root_mean_square import compute_rms
 
@@ -178,7 +179,7 @@ def _predict_held_out(
     """
     theta, residual = fit.theta, structure.compute_residuals(baseline.problem, [fit.theta])[0]
     box = baseline.box.join(structure.build_box()) if structure.candidates else baseline.box
-    moves = [_compute_move(residual, fit.jacobian, box, train) for train, _ in folds]
+    moves = [_compute_move(replace(fit, residual=residual), box, train) for train, _ in folds]
     values = structure.compute_residuals(
         baseline.problem, [box.clip(theta + part * move) for move in moves for part in CONFIRMATION.step_parts]
     )
@@ -191,17 +192,23 @@ def _predict_held_out(
     return result
 
 
-def _compute_move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArray) -> FloatArray:
-    """Gauss-Newton step on the rows of `train`, at most one scale long in each parameter. Shape (p,).
+def _compute_move(fit: Fit, box: Box, train: NDArray[np.bool_]) -> FloatArray:
+    """Step that fits the rows of `train` best as a line, within the domain and at most one scale long in each parameter.
+    Shape (p,).
 
-    A parameter that moves no row is held: so are those that stay as given.
+    The bounds are part of the fit: parameters that trade against each other leave their valley where a step is cut
+    afterwards, and then it gains nothing. A parameter that moves no row is held: so are those that stay as given.
     """
-    free = np.flatnonzero(np.any(jacobian, axis=0))
-    A = (jacobian[train] * box.scale)[:, free]
+    lower, upper = (np.clip((end - fit.theta) / box.scale, -1.0, 1.0) for end in (box.lower, box.upper))
+    free = np.flatnonzero(np.any(fit.jacobian, axis=0) & (lower < upper))
     prior = raise_diagonal(box.scaled_precision[np.ix_(free, free)], CONFIRMATION.least_diagonal)
+    size, axes = np.linalg.eigh(prior)
+    pulls = np.sqrt(np.maximum(size, 0.0))[:, None] * axes.T
+    A = np.vstack([(fit.jacobian[train] * box.scale)[:, free], pulls])
+    whole = np.linalg.qr(np.column_stack([A, np.append(-fit.residual[train], np.zeros(free.size))]), mode="r")
     step = np.zeros(box.scale.size)
-    step[free] = np.linalg.lstsq(A.T @ A + prior, -A.T @ residual[train], rcond=1e-12)[0]
-    result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
+    step[free] = lsq_linear(whole[:, :-1], whole[:, -1], (lower[free], upper[free])).x
+    result: FloatArray = box.scale * step
     return result
 
 

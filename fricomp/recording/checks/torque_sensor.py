@@ -130,13 +130,20 @@ def fit_two_torques(recording: Recording) -> TwoTorques | None:
 
 
 def _compare(torque: Samples, load: Samples, beside: Samples) -> TwoTorques:
-    """The load torque as a multiple of the motor's, straight and bent, beside other terms, shape (n, k)."""
+    """The load torque as a multiple of the motor's, straight and bent, beside other terms, shape (n, k).
+
+    Both are measured: noise makes the multiple smaller where it is in the motor's torque, and larger where it is in the
+    load's. It lies between those of the two regressions [frisch1934confluence].
+    """
     size = max(float(np.std(load)), 1e-300)
-    gain, gain_deviation, straight = _solve_first(np.column_stack([torque, beside]), load, 1)
+    (least,), (least_deviation,), straight = _solve_first(np.column_stack([torque, beside]), load, 1)
+    (inverse,), _, _ = _solve_first(np.column_stack([load, beside]), torque, 1)
+    most = 1.0 / inverse if inverse * least > 0.0 else np.inf
+    gain, gain_deviation = 0.5 * (least + most), float(np.hypot(least_deviation, 0.5 * (most - least)))
     solved, deviations, left = _solve_first(np.column_stack([torque, torque**3, beside]), load, 2)
     largest = float(np.quantile(np.abs(torque), 0.99))
     return TwoTorques(
-        float(gain[0]), float(gain_deviation[0]), float(solved[0]), float(deviations[0]), float(solved[1]),
+        float(gain), gain_deviation, float(solved[0]), float(deviations[0]), float(solved[1]),
         float(deviations[1]), largest, left / size, straight / size,
     )  # fmt: skip
 

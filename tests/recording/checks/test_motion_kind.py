@@ -127,3 +127,21 @@ def test_a_noisy_torque_that_holds_friction_is_none() -> None:
     log = joint_log(20.0, 500.0, 8)
     noisy = log.torque + np.random.default_rng(9).normal(0.0, 3.0 * float(np.std(log.torque)), len(log))
     assert _kinds(log.with_channels(torque=noisy)) == {}
+
+
+@pytest.mark.parametrize("gain", [1.0, 0.8])
+def test_noise_in_both_torques_is_no_gain_of_a_chirp(gain: float) -> None:
+    """In a chirp the inertia between both looks like more of the load: noise of the torque had lessened its gain."""
+    rng = np.random.default_rng(17)
+    t = np.arange(30_000) * 1e-3
+    phase = 2.0 * np.pi * np.cumsum(np.linspace(0.3, 4.0, t.size)) * 1e-3
+    q = 0.6 * np.sin(phase)
+    velocity = np.gradient(q, t)
+    turned = 0.008 * np.gradient(velocity, t)
+    load = 0.02 * np.gradient(velocity, t) + 2.0 * np.sin(q)
+    noise = rng.normal(0.0, 0.2, (2, t.size))
+    motor = load / gain + turned + 0.3 * np.tanh(velocity / 0.02) + noise[0]
+    fit = fit_two_torques(Recording(t, q, motor, load_torque=load + noise[1]))
+    assert fit is not None
+    assert fit.is_off == (gain != 1.0)
+    assert abs(fit.gain - gain) < 2.0 * fit.gain_deviation
