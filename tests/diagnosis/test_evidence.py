@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz
 from scipy.ndimage import binary_dilation
+from scipy.optimize import lsq_linear
 from scipy.signal import lfilter
 
 from fricomp.diagnosis.effects.structure import N_BASE, Structure, _compute_contributions
 from fricomp.diagnosis.evidence.alias import list_aliases
 from fricomp.diagnosis.evidence.confirmation import Confirmation, _predict_held_out, _split_folds, compute_covariance
+from fricomp.diagnosis.evidence.foretelling import _foretells
 from fricomp.diagnosis.evidence.gates import covers, is_confirmed, measure_left, stands_out
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.base import BASE_NAMES
@@ -22,7 +26,7 @@ from fricomp.diagnosis.joint.problem import Problem, build_problem
 from fricomp.diagnosis.joint.settings import JOINT
 from fricomp.diagnosis.joint.solver import Box, Fit
 from fricomp.diagnosis.record.sentence import describe_trace
-from fricomp.diagnosis.search.explanation import _compute_left, compute_evidence
+from fricomp.diagnosis.search.explanation import Explanation, _compute_left, compute_evidence
 from fricomp.diagnosis.search.preparation import (
     Baseline,
     _build_colour_filter,
@@ -108,6 +112,46 @@ def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:
     for train, test in _split_folds([600]):
         fitted = np.linalg.lstsq(table[train], torque[train], rcond=None)[0]
         np.testing.assert_allclose(found[test], table[test] @ fitted - torque[test], atol=1e-3)
+
+
+def test_numbers_that_trade_against_each_other_are_refitted_within_their_bounds() -> None:
+    rng = np.random.default_rng(4)
+    one, two, three = rng.standard_normal((3, 600))
+    table, torque = 3.0 * np.column_stack([one, one + 0.004 * two, three]), rng.standard_normal(600)
+    theta = np.asarray(np.linalg.lstsq(table, torque, rcond=None)[0], dtype=np.float64)
+    assert np.all(np.abs(theta) < 8.0)
+    found = _predict(_Line((), (), table, torque), theta)
+    for train, test in _split_folds([600]):
+        left = np.append(torque[train] - table[train] @ theta, np.zeros(3))  # the prior is one about the joint minimum
+        step = lsq_linear(np.vstack([table[train], np.eye(3)]), left, (-1.0, 1.0)).x
+        assert np.sum((left[:-3] - table[train] @ step) ** 2) < np.sum(left**2)
+        np.testing.assert_allclose(found[test], table[test] @ (theta + step) - torque[test], atol=1e-3)
+
+
+@pytest.mark.parametrize("everywhere", [True, False])
+def test_a_ripple_at_some_angles_only_foretells_nothing(everywhere: bool) -> None:
+    rng = np.random.default_rng(5)
+    angle = rng.uniform(0.0, 1.0, 1200)
+    wave = np.column_stack([np.sin(60.0 * angle), np.cos(60.0 * angle)])
+    base = np.column_stack([np.ones_like(angle), angle, np.zeros((angle.size, N_BASE - 2))])
+    there = np.ones_like(angle) if everywhere else np.abs(angle - 0.62) < 0.04
+    torque = 0.5 * there * wave[:, 0] + rng.standard_normal(angle.size)
+    jacobian = np.column_stack([base, wave])
+    theta = np.asarray(np.linalg.lstsq(jacobian, torque, rcond=None)[0], dtype=np.float64)
+    bounds = (-np.full(N_BASE + 2, 9.0), np.full(N_BASE + 2, 9.0))
+    boxes = [
+        Box(bounds[0][one], bounds[1][one], np.ones(n), np.zeros(n), np.zeros((n, n)), np.ones(n))
+        for one, n in ((slice(N_BASE), N_BASE), (slice(N_BASE, None), 2))
+    ]
+    structure = SimpleNamespace(
+        parameters=[("cogging", None)] * 2,
+        build_box=lambda: boxes[1],
+        compute_added=lambda _, at, __: wave @ at[N_BASE:],
+    )
+    fit = Fit(theta, jacobian @ theta - torque, jacobian, 0.0)
+    chosen = cast(Explanation, SimpleNamespace(structure=structure, fit=fit, box=boxes[0]))
+    band = np.argsort(np.argsort(angle)) * 6 // angle.size
+    assert _foretells(known_baseline(), chosen, "cogging", band) == everywhere
 
 
 @pytest.mark.parametrize(("rows", "blocks"), [(300, 1), (600, 1), (800, 2), (1209, 3), (4959, 6)])

@@ -17,7 +17,7 @@ from ..joint.solver import Box, Fit, raise_diagonal
 from ..search.preparation import Baseline
 from .settings import CONFIRMATION
 
-__all__ = ["Confirmation", "compute_covariance", "confirm"]
+__all__ = ["Confirmation", "compute_covariance", "compute_move", "confirm"]
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def _predict_held_out(
     """
     theta, residual = fit.theta, structure.compute_residuals(baseline.problem, [fit.theta])[0]
     box = baseline.box.join(structure.build_box()) if structure.candidates else baseline.box
-    moves = [_compute_move(replace(fit, residual=residual), box, train) for train, _ in folds]
+    moves = [compute_move(replace(fit, residual=residual), box, train) for train, _ in folds]
     values = structure.compute_residuals(
         baseline.problem, [box.clip(theta + part * move) for move in moves for part in CONFIRMATION.step_parts]
     )
@@ -192,8 +192,8 @@ def _predict_held_out(
     return result
 
 
-def _compute_move(fit: Fit, box: Box, train: NDArray[np.bool_]) -> FloatArray:
-    """Step that fits the rows of `train` best as a line, within the domain and at most one scale long in each parameter.
+def compute_move(fit: Fit, box: Box, train: NDArray[np.bool_]) -> FloatArray:
+    """Step that fits the rows of `train` best as a line, in the domain and at most one scale long in each parameter.
     Shape (p,).
 
     The bounds are part of the fit: parameters that trade against each other leave their valley where a step is cut

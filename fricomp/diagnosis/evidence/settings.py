@@ -46,6 +46,25 @@ class ConfirmationSettings:
 
 
 @dataclass(frozen=True)
+class ForetellingSettings:
+    """When a ripple is asked to foretell angles that are left out.
+
+    Attributes:
+        waves: Of it in a band of angles that is left out: a whole one, and so much more that its neighbours do not tell
+            it.
+        fewest: Bands from which it is asked: of fewer, what is left of the range does not fix a wave.
+        most: Bands at most. Each is a fit.
+        lost: By how much the error may rise in some bands, in its fall in the others: beside a faint ripple noise makes
+            it rise in some, and what is no ripple loses as much as it wins.
+    """
+
+    waves: float = 1.5
+    fewest: int = 4
+    most: int = 12
+    lost: float = 1.0 / 3.0
+
+
+@dataclass(frozen=True)
 class GateSettings:
     """What an explanation must reach to be named, and what must be left for something to be called unknown.
 
@@ -367,6 +386,7 @@ class VelocitySettings:
 AGREEMENT = AgreementSettings()
 ALIASES = AliasSettings()
 CONFIRMATION = ConfirmationSettings()
+FORETELLING = ForetellingSettings()
 GATES = GateSettings()
 IN_PLACE = InPlaceSettings()
 LOCATION = LocationSettings()

@@ -14,6 +14,7 @@ from ..search.preparation import Baseline
 from ..search.search import SearchResult
 from .alias import list_aliases
 from .confirmation import Confirmation, confirm
+from .foretelling import list_local_ripples
 from .gates import covers, is_confirmed, is_trifling
 from .needs import find_one_way, list_objections
 from .refitted import RefittedJoint
@@ -77,6 +78,7 @@ def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
         if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
             return Trial(repetitions, failed=tried, objections=objections | forms, unfit=unfit)
         own = list_objections(RefittedJoint.refit(baseline, tried), _find_shown(found, tried))
+        own |= list_local_ripples(baseline, tried)
         against = own | _list_objections(baseline, found, tried, held, repetitions)
         if not against:
             return Trial(repetitions, tried, held=held, objections=objections | forms)
