@@ -148,7 +148,7 @@ def _measure_typical_noise(baseline: Baseline) -> float:
     return float(np.sqrt(np.median(np.concatenate(squares))))
 
 
-def _split_folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
+def _split_folds(sizes: list[int]) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
     """Masks of training and test rows: whole recordings where there are three or more, else blocks with gaps."""
     total, ends, number = sum(sizes), np.cumsum([0, *sizes]), len(sizes)
     cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
@@ -170,7 +170,7 @@ def _predict_held_out(
     baseline: Baseline,
     structure: Structure,
     fit: Fit,
-    folds: list[tuple[FloatArray, FloatArray]],
+    folds: list[tuple[NDArray[np.bool_], NDArray[np.bool_]]],
 ) -> FloatArray:
     """Residual of each row by parameters that its own block did not help to fit. Shape (m,).
 
@@ -205,7 +205,8 @@ def compute_move(fit: Fit, box: Box, train: NDArray[np.bool_]) -> FloatArray:
     size, axes = np.linalg.eigh(prior)
     pulls = np.sqrt(np.maximum(size, 0.0))[:, None] * axes.T
     A = np.vstack([(fit.jacobian[train] * box.scale)[:, free], pulls])
-    whole = np.linalg.qr(np.column_stack([A, np.append(-fit.residual[train], np.zeros(free.size))]), mode="r")
+    table = np.column_stack([A, np.append(-fit.residual[train], np.zeros(free.size))])
+    whole = np.asarray(np.linalg.qr(table, mode="r"), dtype=np.float64)
     step = np.zeros(box.scale.size)
     step[free] = lsq_linear(whole[:, :-1], whole[:, -1], (lower[free], upper[free])).x
     result: FloatArray = box.scale * step
