@@ -74,10 +74,15 @@ def rebuild(baseline: Baseline, explanation: Explanation) -> Structure:
 
 
 def rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:
-    """Rebuild each recording's context with load and position of the joint that was found."""
+    """Rebuild each recording's context with load and position of the joint that was found.
+
+    One that runs away in simulation shows no position: that of the joint before it stays.
+    """
     structure, theta = explanation.structure, explanation.fit.theta
     seen = structure.observe(baseline.problem, theta)
     contexts = structure.move_contexts(theta)
+    if not all(np.isfinite(one.position).all() for one in seen):
+        return contexts
     return tuple(move_context(*each) for each in zip(contexts, baseline.problem.tracks, seen, strict=True))
 
 

@@ -60,6 +60,20 @@ def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() 
     assert np.std((after.position - there)[200:-200]) < 0.1 * step
 
 
+def test_a_joint_that_runs_away_moves_no_effect() -> None:
+    zero, curve = np.zeros(400), (2.0, 3.0, 0.05, 1.0)
+    track = Track.build(1e-3, zero, zero)
+    plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
+    before = Context(1e-3, zero, zero, zero, zero, zero, zero, zero, zero, plant, True, 2.0)
+    lost = np.where(np.arange(400) < 300, 0.0, np.nan)
+    structure = SimpleNamespace(
+        observe=lambda *_: [Observation(zero, lost, zero, zero)], move_contexts=lambda _: (before,)
+    )
+    explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
+    baseline = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
+    assert rebuild_contexts(cast(Any, baseline), cast(Any, explanation)) == (before,)
+
+
 @pytest.mark.parametrize(("strokes", "waves"), [(1, 3.0), (2, 1.5), (8, 1.5)])
 def test_a_ripple_of_a_single_stroke_needs_more_waves_than_the_range_must_hold(strokes: int, waves: float) -> None:
     time = np.linspace(0.0, np.pi * strokes, 4000)
