@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fricomp.recording.checks.likely_torque import find_likely_torque
 from fricomp.recording.named.column import RAW_UNIT, find_bare_unit, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
 from fricomp.recording.named.head_fact import fill_head_facts
-from fricomp.recording.named.likely import find_likely_torque
 from fricomp.recording.named.source import read_layout
 from fricomp.recording.named.times.clock import TICK, find_stamps
 from fricomp.recording.named.times.row_rate import estimate_row_rate

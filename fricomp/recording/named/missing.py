@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.checks.likely_torque import find_likely_torque
 from fricomp.recording.sources.can_frames import refuse_bytes
 from fricomp.recording.sources.reader import is_text
 from fricomp.recording.unit_word import find_unit_words, kind_of_unit
@@ -16,7 +17,6 @@ from fricomp.recording.validity import Samples
 from .choice import TORQUES, Chosen, list_names
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from .head_fact import say_head_facts
-from .likely import find_likely_torque
 from .source import read_first_lines
 from .times.clock import find_stamps, read_times
 

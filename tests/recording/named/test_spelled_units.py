@@ -67,7 +67,6 @@ def test_a_unit_that_nobody_knows_is_asked_for(tmp_path: Path, name: str) -> Non
     ("name", "channel", "joint", "unit"),
     [
         ("tau_m_Nm", "torque", "m", ""),
-        ("pos_min_deg", "position", "min", "deg"),
         ("current_q", "current", "", ""),
         ("motor.current.q", "current", "motor", ""),
         ("q_current", "current", "", ""),
