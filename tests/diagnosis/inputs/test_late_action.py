@@ -68,7 +68,7 @@ def test_a_lag_of_the_drive_is_told_as_one_or_as_what_looks_alike() -> None:
 
 
 @pytest.mark.slow
-def test_a_late_command_of_a_slow_joint_is_no_lag_and_nothing_unknown() -> None:
+def test_a_late_command_of_a_slow_joint_is_told_with_the_lag_that_looks_alike() -> None:
     """Its inertia takes too little torque for a rigid joint to show the delay; the base's own delay tells of it."""
     delay, time = 8e-3, np.arange(0.0, 20.0, _DT)
     position = 0.6 * np.sin(2.0 * np.pi * 0.21 * time) + 0.25 * np.sin(2.0 * np.pi * 0.53 * time + 1.0)
@@ -79,5 +79,6 @@ def test_a_late_command_of_a_slow_joint_is_no_lag_and_nothing_unknown() -> None:
     recording = Recording(time, 2.4e-5 * np.round(position / 2.4e-5), asked)
     assert find_late_action([recording], 5e-4) == 0.0
     (late,) = diagnose(recording).effects
-    assert (late.name, late.indistinguishable_from) == ("torque_delay", ("drive_lag",))
-    assert late.parameters["delay"].value == pytest.approx(delay, rel=0.2)
+    assert {late.name, *late.indistinguishable_from} == {"torque_delay", "drive_lag"}
+    if late.name == "torque_delay":
+        assert late.parameters["delay"].value == pytest.approx(delay, rel=0.2)
