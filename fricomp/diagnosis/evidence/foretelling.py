@@ -1,7 +1,7 @@
 """Whether a ripple that is found at some angles foretells what the joint does at the others.
 
-Blocks of time do not ask that where a motion repeats itself: whatever happens at its reversals comes again at the same
-angles, and waves with enough overtones follow it there. A part that turns is the same all round.
+Leaving out blocks of time cannot test this in a periodic motion: every period reverses at the same angles, and a wave
+with enough overtones fits whatever happens there. A real ripple comes from a rotating part and is there at all angles.
 """
 
 from __future__ import annotations
@@ -56,13 +56,12 @@ def _foretells(baseline: Baseline, chosen: Explanation, name: str, band: NDArray
     others = np.array([True] * N_BASE + [owner != name for owner, _ in structure.parameters])
     added = structure.compute_added(baseline.problem, fit.theta, (name,))
     without = replace(fit, residual=fit.residual - added, jacobian=fit.jacobian * others)
-    falls = []
+    won = lost = 0.0
     for one in np.unique(band):
         test = band == one
-        sides = (_predict(side, box, ~test)[test] for side in (without, fit))
-        before, after = (float(side @ side) for side in sides)
-        falls.append(before - after)
-    won, lost = (float(np.sum(np.maximum(side * np.array(falls), 0.0))) for side in (1.0, -1.0))
+        before, after = (_predict(side, box, ~test)[test] for side in (without, fit))
+        fall = float(before @ before - after @ after)
+        won, lost = won + max(fall, 0.0), lost + max(-fall, 0.0)
     return lost < FORETELLING.lost * won
 
 

@@ -35,8 +35,8 @@ class TwoTorques(NamedTuple):
     """load torque = gain * torque, or = (small_gain + bend * torque²) * torque, beside inertia, friction and offset.
 
     Attributes:
-        gain: [1]
-        gain_deviation: Its standard deviation, for blocks that err alike [1].
+        gain: Middle of the two regressions that it lies between [1].
+        gain_deviation: Its standard deviation, for blocks that err alike, with half of what they differ by [1].
         small_gain: Gain at small torques [1].
         small_gain_deviation: Its standard deviation [1].
         bend: Change of the gain with the square of the torque [1 / torque²].

@@ -281,7 +281,7 @@ def render_guess(
 def _find_torque(
     time: Samples, columns: Mapping[str, Samples], position: str, velocity: str, left: Mapping[str, Samples]
 ) -> str:
-    """Name of the column that the motion explains best as its torque, and which is no second velocity."""
+    """Find the column that the motion explains best as its torque, leaving out a second velocity."""
     rate, way = columns[velocity], columns[position]
     tried = {name: values for name, values in left.items() if abs(np.corrcoef(values, rate)[0, 1]) < _TWIN}
     counts = _are_whole(way) and np.ptp(way) > _FAR

@@ -145,3 +145,7 @@ def test_no_name_of_a_column_stops_its_reading() -> None:
         for read in (read_column_name, read_column_unit):
             meaning = read(name)
             assert meaning is None or meaning.channel
+
+
+def test_the_least_of_a_channel_is_neither_a_joint_nor_minutes() -> None:
+    assert read_column_name("pos_min_deg") is None
