@@ -86,9 +86,7 @@ def test_a_late_command_of_a_slow_joint_is_told_with_the_lag_that_looks_alike(la
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True, reason="a lag of order two leaves 1 % less of the plain held-out error"
-)
+@pytest.mark.xfail(strict=True, reason="a lag of order two leaves 1 % less of the plain held-out error")
 def test_a_late_command_of_a_slow_joint_is_no_lag_and_nothing_unknown(late_and_slow: Recording) -> None:
     """The base's own delay tells of it."""
     assert find_late_action([late_and_slow], 5e-4) == 0.0
