@@ -56,6 +56,11 @@ class TorqueNoise(NamedTuple):
         """Standard deviation of both parts together [N·m]."""
         return float(np.hypot(self.white, self.coloured))
 
+    def take_out(self, other: TorqueNoise) -> TorqueNoise:
+        """What is left of the noise, were some of its power that of the `other`."""
+        part = float(np.sqrt(max(1.0 - (other.size / self.size) ** 2, 0.0))) if self.size > 0.0 else 0.0
+        return self._replace(white=part * self.white, coloured=part * self.coloured)
+
     def draw(self, size: int, rng: np.random.Generator) -> FloatArray:
         """A sample of the noise [N·m]. Shape (size,)."""
         noise = self.white * rng.standard_normal(size)

@@ -112,9 +112,10 @@ class _Chain:
         moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
         at_once = max(LANES[1], JOINT.most_held // (_SIGNALS * track.size))
         own = track.position_noise.measure_own(track.resolution)
+        real = TorqueNoise(0.0, 0.0, 0.0) if heard else track.torque_noise.take_out(noise)
         parts = [moved[i : i + at_once] for i in range(0, len(moved), at_once)]
         return np.concatenate(
-            [self._simulate(index, [_draw_null(*each, (noise, own), rng) for each in part]) for part in parts]
+            [self._simulate(index, [_draw_null(*each, (noise, own, real), rng) for each in part]) for part in parts]
         )
 
     def _simulate(self, index: int, nulls: list[Track]) -> FloatArray:
@@ -213,18 +214,24 @@ def _draw_null(
     track: Track,
     position: FloatArray,
     applied: FloatArray,
-    noises: tuple[TorqueNoise, float],
+    noises: tuple[TorqueNoise, float, TorqueNoise],
     rng: np.random.Generator,
 ) -> Track:
     """Record a joint that `applied` moves along `position`, with fresh noise, rounding, a small delay and the same rows
-    missing. Noise of the position shows in rows of rest, where a bristle takes up that of a torque."""
-    noise, own = noises
+    missing. Noise of the position shows in rows of rest, where a bristle takes up that of a torque.
+
+    What of the noise was torque that moved the joint is known where there are rows, and lost between them.
+    """
+    noise, own, real = noises
     torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
     if track.position_noise.jitter > 0.0:
         late = track.position_noise.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
     drawn = take_out_spikes(noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     torque = track.fill_rows(track.take_rows(torque + track.unrest * drawn))
+    if track.missing.any() and real.size > 0.0:
+        moving = track.unrest * real.draw(track.size, rng)
+        torque = torque + track.fill_rows(moving) - moving
     position = track.take_rows(position)
     if own > 0.0:
         position = position + own * rng.standard_normal(position.size)
