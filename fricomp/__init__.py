@@ -13,8 +13,6 @@ Results print as one line; `result.summary()` is a text with everything, `result
 from typing import TYPE_CHECKING, Any
 
 from fricomp.errors import FricompError
-from fricomp.laws import FrictionLaw, OperatingPoint
-from fricomp.model import FrictionModel, load_model, save_model
 from fricomp.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -26,6 +24,8 @@ if TYPE_CHECKING:
     from fricomp.calibration.sweep import CalibrationOptions, SweepSettings
     from fricomp.control import Compensator, ControlLoop, JointLimits, LoopDynamics, SafetyGate, check_loop
     from fricomp.evaluation import Evaluation, evaluate
+    from fricomp.laws import FrictionLaw, OperatingPoint
+    from fricomp.model import FrictionModel, load_model, save_model
     from fricomp.recording import Recording, read_recording, write_recording
 
 __all__ = [
@@ -56,13 +56,17 @@ __all__ = [
 ]
 
 _CONTROL, _RECORDING, _SWEEP = "fricomp.control", "fricomp.recording", "fricomp.calibration.sweep"
+_LAWS, _MODEL = "fricomp.laws", "fricomp.model"
 _HOMES = {
     "CalibrationOptions": (_SWEEP, "calibrate"),
     "Compensator": (_CONTROL, ""),
     "ControlLoop": (_CONTROL, ""),
     "Evaluation": ("fricomp.evaluation", "calibrate"),
+    "FrictionLaw": (_LAWS, ""),
+    "FrictionModel": (_MODEL, ""),
     "JointLimits": (_CONTROL, ""),
     "LoopDynamics": (_CONTROL, ""),
+    "OperatingPoint": (_LAWS, ""),
     "Recording": (_RECORDING, ""),
     "SafetyGate": (_CONTROL, ""),
     "SweepSettings": (_SWEEP, "calibrate"),
@@ -73,10 +77,15 @@ _HOMES = {
     "examine_arm": ("fricomp.api.examine_arm", "diagnose"),
     "identify": ("fricomp.api.identify", "calibrate"),
     "identify_dynamic": ("fricomp.calibration", "calibrate"),
+    "load_model": (_MODEL, ""),
     "read_recording": (_RECORDING, ""),
+    "save_model": (_MODEL, ""),
     "write_recording": (_RECORDING, ""),
 }
-"""What is imported when it is first asked for: its module, and the extra that brings what the module imports."""
+"""What is imported when it is first asked for: its module, and the extra that brings what the module imports.
+
+Nothing heavy is imported before, so that Ctrl-C finds a command at work that says it was interrupted.
+"""
 
 
 def __getattr__(name: str) -> Any:

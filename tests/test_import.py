@@ -37,6 +37,12 @@ def test_adapters_and_recordings_need_no_extra() -> None:
     assert not set(EXTRAS) & set(loaded)
 
 
+def test_the_command_line_begins_before_anything_large_is_imported() -> None:
+    """Ctrl-C is one sentence from then on."""
+    loaded = run("import sys; from fricomp.__main__ import run; print(' '.join(sys.modules))").split()
+    assert not {"numpy", "msgspec", "typer"} & set(loaded)
+
+
 def test_public_names_are_sorted_and_exist() -> None:
     assert list(fricomp.__all__) == sorted(fricomp.__all__)
     assert all(getattr(fricomp, name) is not None for name in fricomp.__all__)

@@ -21,6 +21,7 @@ from fricomp.laws import (
     ThermalFriction,
 )
 from fricomp.model import FrictionModel, Provenance, Validity
+from fricomp.recording.metadata import list_dates
 
 from .arm_recording import find_start_temperature
 from .columns import CREEP_ROUNDING
@@ -65,7 +66,11 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
             position=_range(np.concatenate([q[:, joint] for q, _, _ in motion])),
             load_torque=_range(load),
         ),
-        provenance=Provenance(method="arm", data_sha256=found.recording.recordings[joint].content_hash),
+        provenance=Provenance(
+            method="arm",
+            data_sha256=found.recording.recordings[joint].content_hash,
+            notes=list_dates(found.recording.metadata),
+        ),
     )
 
 

@@ -146,7 +146,7 @@ def _show_inspection(seen: Inspection, source: Path, out: Path | None) -> None:
         screen.print(f"\n{one.metadata.joint}: {len(one)} samples, {one.duration:.4g} s at {rate:.5g} Hz", style="bold")
         for finding in seen.findings[one.metadata.joint]:
             screen.print(f"  {finding.severity}: {finding}", soft_wrap=True)
-    _show_mapping(source, render_mapping(source, seen.log), out, "As a mapping")
+    _show_mapping(source, render_mapping(source, seen.log, seen.findings), out, "As a mapping")
 
 
 def _show_mapping(source: Path, text: str, out: Path | None, what: str) -> None:

@@ -88,7 +88,9 @@ def _require_unit(model: EvaluatedJoint, recording: Recording) -> None:
     if (model.motion, model.torque_unit) != (metadata.motion, metadata.torque_unit):
         raise RecordingError(
             f"the model is of a {model.motion} joint in {model.torque_unit}, the recording of a {metadata.motion} one "
-            f"in {metadata.torque_unit}: give a recording in the model's unit (fricomp convert)"
+            f"in {metadata.torque_unit}: give a recording in the model's unit, by scale and torque_unit in a mapping "
+            "('fricomp convert LOG --inspect --out log.toml' begins one, 'fricomp convert LOG --mapping log.toml --out "
+            "FILE.csv' makes it)"
         )
 
 

@@ -53,4 +53,6 @@ def raise_errors(findings: Sequence[Finding], subject: str) -> None:
     errors = [finding for finding in findings if finding.severity == "error"]
     if errors:
         more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-        raise RecordingError(f"{subject}: {errors[0]}{more}")
+        begun = "in a mapping" in errors[0].advice and "--inspect" not in errors[0].advice
+        begin = "; 'fricomp convert LOG --inspect --out log.toml' begins one" if begun else ""
+        raise RecordingError(f"{subject}: {errors[0]}{more}{begin}")

@@ -225,6 +225,8 @@ def _find_placeholder(text: str) -> str:
     """What to do with the first value that is still to be said or worked out; empty where all are values."""
     for number, line in enumerate(text.splitlines(), start=1):
         found = _PLACEHOLDER.search(_QUOTED.sub('""', line))
+        if found and re.fullmatch(r"[\d.eE+*/()-]+", found.group(1)):
+            return f"line {number}: TOML works nothing out: write the number that {found.group(1)} is in its place"
         if found:
             return f"line {number}: write what {found.group(1)} stands for in its place, a number or a column's name"
     return ""

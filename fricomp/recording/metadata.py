@@ -1,8 +1,8 @@
 """What a recording's numbers mean: joint, motion, units and which side of the gear the torque is on."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime, timedelta
 from math import isfinite
 from typing import Any, Literal, get_args
 
@@ -101,6 +101,22 @@ def format_date(seconds: float) -> str:
     if not _EARLIEST <= seconds < _LATEST:
         return ""
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
+
+
+def shift_date(metadata: RecordingMetadata, later: float) -> RecordingMetadata:
+    """The facts of rows that begin later: `recorded` is when the first of them was taken.
+
+    Args:
+        metadata: Of all rows.
+        later: Time from the first of them to the first that is left [s].
+    """
+    if ":" not in metadata.recorded or later == 0.0:  # a day alone goes on
+        return metadata
+    try:
+        date = datetime.fromisoformat(metadata.recorded)
+    except ValueError:  # whoever wrote it by hand may have written anything
+        return metadata
+    return replace(metadata, recorded=(date + timedelta(seconds=later)).isoformat(timespec="milliseconds"))
 
 
 def channel_units(metadata: RecordingMetadata) -> dict[str, str]:

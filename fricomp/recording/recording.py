@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from fricomp.errors import RecordingError
 from fricomp.overview import Overview, OverviewTable, Shown
 from fricomp.recording.finding import raise_errors
-from fricomp.recording.metadata import RecordingMetadata, channel_units, metadata_to_fields
+from fricomp.recording.metadata import RecordingMetadata, channel_units, metadata_to_fields, shift_date
 from fricomp.recording.validity import Samples, find_invalid
 
 if TYPE_CHECKING:
@@ -232,7 +232,9 @@ class Recording(Shown):
 
     def rows(self, selection: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Self:
         """Return the selected samples: a slice, a mask of shape (n_samples,) or rising indices."""
-        return self.from_channels({n: values[selection] for n, values in self.channels.items()}, self.metadata)
+        left = {name: values[selection] for name, values in self.channels.items()}
+        first = float(left["time"][0]) if left["time"].size else float(self.time[0])
+        return self.from_channels(left, shift_date(self.metadata, first - float(self.time[0])))
 
     def with_channels(self, **channels: ArrayLike | None) -> Self:
         """Return a copy with these channels replaced, added, or removed where None is given."""

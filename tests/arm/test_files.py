@@ -22,6 +22,8 @@ from fricomp.recording import write_recording
 
 from .moving_arm import MASSES, record_arm, write_arm
 
+RECORDED = "2026-03-14T10:00:00.000+00:00"
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory, drawn_charts: None) -> Path:
@@ -30,7 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, drawn_charts: None) -> Path
     truth = write_arm(root, (MASSES[0], MASSES[1], MASSES[2] + 1.0))
     (root / "log").mkdir()
     for one in record_arm(truth):
-        write_recording(one, root / "log" / f"{one.metadata.joint}.csv")
+        write_recording(one.with_metadata(recorded=RECORDED), root / "log" / f"{one.metadata.joint}.csv")
     command = ["diagnose", str(root / "log"), "--simulation", str(write_arm(root)), "--out", str(root / "out")]
     done = CliRunner().invoke(app, command)
     assert done.exit_code == 0, done.output
@@ -71,6 +73,11 @@ def test_the_joint_of_a_log_that_moves_alone_is_taken_without_a_simulation(tmp_p
     (tmp_path / "log.csv").write_text("\n".join(lines))
     done = CliRunner().invoke(app, ["diagnose", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")])
     assert "lasts 2.99 s, and a diagnosis needs at least 5 s" in str(done.exception)  # of that joint
+
+
+def test_the_models_of_the_joints_say_when_they_were_recorded(folder: Path) -> None:
+    models = [load_model(one) for one in sorted((folder / "joints").glob("*/friction.json"))]
+    assert [one.provenance.notes["recorded"] for one in models] == [RECORDED] * 3
 
 
 def test_the_record_can_be_read_again(folder: Path) -> None:

@@ -71,6 +71,22 @@ def test_window_keeps_start_and_leaves_stop_out(make_recording: MakeRecording) -
         make_recording(100).window(5.0, 6.0)
 
 
+@pytest.mark.parametrize(
+    ("said", "left"),
+    [
+        ("2026-03-14T10:00:00.000+00:00", "2026-03-14T10:00:00.050+00:00"),
+        ("2026-03-14T10:00:00", "2026-03-14T10:00:00.050"),
+        ("2026-03-14", "2026-03-14"),
+        ("spring: wet", "spring: wet"),
+        ("", ""),
+    ],
+)
+def test_rows_that_are_left_were_recorded_later(said: str, left: str, make_recording: MakeRecording) -> None:
+    recording = make_recording(100).with_metadata(recorded=said)
+    assert recording.window(0.050, 0.090).metadata.recorded == left
+    assert recording.window(0.0, 0.090).metadata.recorded == said
+
+
 def test_concatenation_with_a_gap_shifts_time_and_keeps_shared_channels(make_recording: MakeRecording) -> None:
     first = make_recording(50)
     second = make_recording(30).with_channels(velocity=None)

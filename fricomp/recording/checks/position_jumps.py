@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.new_zero import find_new_zeros
+from fricomp.recording.checks.position_size import find_sign_bit
 from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES, measure_quantum, snap_period
 from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.finding import Finding
@@ -22,6 +23,9 @@ def find_position_jumps(recording: Recording) -> tuple[Finding, ...]:
 
     It jumps to a value that stands for none, by a turn, by the whole range of a counter, or by any other way.
     """
+    signed = find_sign_bit(np.asarray(recording.position))
+    if signed is not None:
+        return (_describe_sign(signed[0]),)
     lone = _find_lone(np.asarray(recording.position))
     apart = (np.diff(recording.time) > find_gap_length(recording)) | lone[1:] | lone[:-1]
     step = np.where(apart, 0.0, np.diff(recording.position))
@@ -42,6 +46,15 @@ def find_position_jumps(recording: Recording) -> tuple[Finding, ...]:
     rate = size / np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)  # a gap in time is no jump
     jumps = np.flatnonzero((rate > _JUMP_FACTOR * usual) & (size > 0.01 * travel))
     return (_describe_jump(recording, int(jumps[0]), step, usual),) if jumps.size else ()
+
+
+def _describe_sign(bit: int) -> Finding:
+    message = f"position is stored as a size, with its sign in bit {bit} of its register, and was read as one number"
+    advice = (
+        f"write sign_bit = {bit} into the channel of a mapping where its column holds the counts ('fricomp convert LOG "
+        "--inspect' has a mapping to edit); velocity and load of the same device may need one as well"
+    )
+    return Finding("sign_bit", "error", message, advice, column="position")
 
 
 def _describe_placeholder(position: Samples, standing: float) -> Finding:

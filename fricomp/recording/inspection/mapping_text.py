@@ -1,27 +1,32 @@
 """What was believed of a log, as a mapping file to edit."""
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from fricomp.recording.finding import Finding
 from fricomp.recording.named.choice import INTEGRAL
 from fricomp.recording.named.column import ColumnMeaning
+from fricomp.recording.named.head_fact import read_head_facts
 from fricomp.recording.named.log import NamedLog
 from fricomp.recording.named.source import choose_topics, read_layout
 from fricomp.recording.named.times.clock import AT_RATE, PARTS_OF_SECONDS, says_steps
 from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
+from fricomp.recording.unit import find_unit
 
 _ENCODER = "# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"
 
 _SCALE = 'in place of it, with torque_unit = "N·m": N·m at the joint of one {unit}, torque constant times gear ratio'
 
 
-def render_mapping(path: Path, log: NamedLog) -> str:
+def render_mapping(path: Path, log: NamedLog, findings: Mapping[str, Sequence[Finding]] | None = None) -> str:
     """A mapping with which `fricomp convert` makes the same recordings of the same file.
 
     Args:
         path: The log.
         log: What was read from it by names.
+        findings: What the checks say, by joint: an error stands as a remark behind the column that has it.
     """
     layout = read_layout(path) if path.is_file() and is_text(path) else None
     lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *describe_source(path, layout)]
@@ -41,12 +46,23 @@ def render_mapping(path: Path, log: NamedLog) -> str:
         table = "" if len(joints) == 1 else "channels."
         lines += [] if len(joints) == 1 else ["", "[[joints]]", f"name = {_quote(name)}"]
         own = ((channel, *source) for channel, source in columns.items() if channel != "time")
-        lines += [table + _rule(channel, column, one.unit, layout, *_scale(one)) for channel, column, one in own]
+        wrong = {one.column: one for one in (findings or {}).get(name, ()) if one.severity == "error"}
+        lines += [
+            table + _rule(channel, column, one.unit, layout, *_scale(one)) + _say_error(wrong.get(channel))
+            for channel, column, one in own
+        ]
         if metadata.torque_unit == "A" and "torque" in columns:
             column, meaning = columns["torque"]
-            rule = f"torque = {{ column = {render_column(column, layout)}, scale = 0.1 }}"
-            lines.append(f"# {table}{rule}   # {_SCALE.format(unit=_say_step(meaning))}")
+            constant = read_head_facts(path).get("KT")
+            worth = 0.1 if constant is None else constant.value * meaning.scale * find_unit(meaning.unit or "A").factor
+            rule = f"torque = {{ column = {render_column(column, layout)}, scale = {worth:.6g} }}"
+            by = "" if constant is None else f"; without a gear, by {constant.said!r}"
+            lines.append(f"# {table}{rule}   # {_SCALE.format(unit=_say_step(meaning))}{by}")
     return "\n".join(lines) + "\n"
+
+
+def _say_error(finding: Finding | None) -> str:
+    return "" if finding is None else f"  # {finding.message}: {finding.advice}"
 
 
 def _render_time(stamps: str, unit: str, layout: TextLayout | None) -> str:

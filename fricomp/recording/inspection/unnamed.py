@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.recording.checks.likely_torque import find_likely_torque
+from fricomp.recording.checks.position_size import find_sign_bit
 from fricomp.recording.named.column import RAW_UNIT, find_bare_unit, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
 from fricomp.recording.named.head_fact import fill_head_facts
@@ -22,6 +23,7 @@ from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
 
 from .mapping_text import describe_source, render_column
+from .motor_side import bring_rule_to_joint, is_motors, remark_on_torque
 from .worth import fill_worth, measure_worth
 
 _EVENLY = 0.95
@@ -242,6 +244,8 @@ def render_guess(
         asked = is_asked or is_of_axis(name) or (name in counted and not unit)
         scale = f"{'SUPPLY' if is_duty(name) else 'RATED'}/{share}" if share else "VALUE_OF_ONE" if asked else ""
         parts = [f"column = {render_column(name, layout)}", *([f'unit = "{unit}"'] if unit else [])]
+        signed = find_sign_bit(columns[name]) if channel == "position" and _are_whole(columns[name]) else None
+        parts += [f"sign_bit = {signed[0]}"] if signed is not None else []
         line = f"{channel} = {{ {', '.join([*parts, *([f'scale = {scale}'] if scale else [])])} }}"
         line = fill_head_facts(path, line, name)
         if channel != "position" or "VALUE_OF_ONE" not in line or not _are_whole(columns[name]):
@@ -267,15 +271,25 @@ def render_guess(
         lines += ["", "[[joints]]", f'name = "joint_{number}"'] if several else []
         before = "channels." if several else ""
         position = rule("position", joint.position, joint.velocity)
-        off = abs(joint.scale - 1.0) > 0.2 and "#" not in position
-        remark = f"  # moves {joint.scale:.4g} times as far as the velocity says: another unit?" if off else ""
+        scale = joint.scale * _compare_units(joint)
+        position = bring_rule_to_joint(path, position) if is_motors(joint.position) else position
+        off = abs(scale - 1.0) > 0.2 and "#" not in position
+        remark = f"  # moves {scale:.4g} times as far as the velocity says: another unit?" if off else ""
         lines += [before + position + remark]
         velocity = rule("velocity", joint.velocity) if joint.velocity else ""
+        velocity = bring_rule_to_joint(path, velocity) if is_motors(joint.position) else velocity
         asked = "VALUE_OF_ONE" in velocity  # which no answer needs
         lines += [f"# {before}{velocity}  # where you know it"] if asked else [before + velocity] if velocity else []
-        lines += [before + (rule("torque", joint.torque) if joint.torque else _UNSEEN[1])]
+        torque = rule("torque", joint.torque) if joint.torque else _UNSEEN[1]
+        lines += [before + (remark_on_torque(path, torque) if is_motors(joint.position) else torque)]
     lines += [] if guess.joints else list(_UNSEEN)
     return "\n".join(lines) + "\n"
+
+
+def _compare_units(joint: GuessedJoint) -> float:
+    """What one of the position is over what one of its rate is, where both state their units; else 1."""
+    both = [_read_stated_unit(name)[0] for name in (joint.position, joint.velocity)]
+    return find_unit(both[0]).factor / find_unit(both[1]).factor if all(both) else 1.0
 
 
 def _find_torque(

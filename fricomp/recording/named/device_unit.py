@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
+from fricomp.recording.checks.position_size import find_sign_bit
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_step, find_unit_words, kind_of_unit, unit_for
 from fricomp.recording.validity import Samples
 
@@ -176,6 +177,8 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
         )
     if meaning.unit == RAW_UNIT:
         scale = "6.2832/COUNTS_A_TURN" if is_angle else "VALUE_OF_ONE"
+        signed = find_sign_bit(beside[column]) if is_angle and column in beside else None
+        scale += f", sign_bit = {signed[0]}" if signed is not None else ""
         return (
             f"{path}: {column!r} is in units of a device: say in a mapping what one is worth, such as "
             f"{channel} = {{ column = {column!r}, scale = {scale} }} with the number worked out"

@@ -148,9 +148,19 @@ def _read_value(name: str, unit: str, number: str, over: str, behind: str) -> fl
         second = float(over.replace(",", ".")) if over else 1.0
         return max(value / second, second / value) if second and value else None
     if name in ("RATED", "RATED_CURRENT", "KT"):
-        known = UNITS.get(read_unit(unit.split("/")[0])) if unit else None
-        return value * known.factor if known is not None else (None if unit else value)
+        return _read_rating(value, unit)
     return value if value == round(value) else None
+
+
+def _read_rating(value: float, unit: str) -> float | None:
+    """A rating or a constant in SI, `mNm/A` too; None where its unit is not known."""
+    if not unit:
+        return value
+    factors = [UNITS.get(read_unit(one)) for one in unit.split("/", maxsplit=1)]
+    if factors[0] is None:
+        return None
+    below = factors[1].factor if len(factors) > 1 and factors[1] is not None else 1.0
+    return value * factors[0].factor / below
 
 
 def say_head_facts(path: Path, text: str, column: str = "", beside: Mapping[str, Samples] | None = None) -> str:

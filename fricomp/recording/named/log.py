@@ -129,7 +129,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     _ask_turns(path, columns, sources)
     first = recordings[0].metadata
     if first.torque_unit == "A":
-        notes += say_torque_constant(path, columns, sources[first.joint]["torque"][0])
+        notes += say_torque_constant(path, columns, sources[first.joint]["torque"])
     notes += say_torque_size(path, recordings[0], sources[first.joint])
     notes.append(_say_columns(path, recordings, sources))
     notes += say_left_out(path, columns, sources)

@@ -95,10 +95,12 @@ def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
             f"{name!r}, scale = 6.2832/(COUNTS_A_TURN*RATIO) }} in a mapping with the number worked out, RATIO 1 where "
             "there is no gear, and scale = RATIO for a motor's torque (docs/recordings.md)"
         )
+    unit = f', unit = "{meaning.unit}"' if meaning.unit else ""
     return (
         f"{path} has the position of a motor alone, {name!r}: say --channel {shlex.quote(f'position={name}')} where "
-        f"there is no gear; else write position = {{ column = {name!r}, scale = 1/RATIO }} in a mapping, and scale = "
-        "RATIO for a motor's torque (docs/recordings.md)"
+        f"there is no gear; else write position = {{ column = {name!r}{unit}, scale = 1/RATIO }} in a mapping with "
+        "the number worked out, and scale = RATIO for a motor's torque ('fricomp convert LOG --inspect --out log.toml' "
+        "begins one)"
     )
 
 

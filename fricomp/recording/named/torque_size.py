@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.recording.recording import Recording
+from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import find_unit_words
 from fricomp.recording.validity import Samples
 
@@ -45,7 +46,7 @@ def say_torque_size(path: Path, recording: Recording, own: Mapping[str, tuple[st
     ]
 
 
-def say_torque_constant(path: Path, columns: Mapping[str, Samples], current: str) -> list[str]:
+def say_torque_constant(path: Path, columns: Mapping[str, Samples], current: tuple[str, ColumnMeaning]) -> list[str]:
     """What to write for a friction in N·m, where a log of a current holds the constant that leads there.
 
     It is said and not done: whether it is that of the motor or of the joint behind its gear, no log tells.
@@ -53,7 +54,7 @@ def say_torque_constant(path: Path, columns: Mapping[str, Samples], current: str
     Args:
         path: Of the file, for messages.
         columns: All columns by name.
-        current: Name of the one that stands for the torque.
+        current: Name and meaning of the one that stands for the torque.
     """
     found = [(name, float(values.flat[0])) for name, values in columns.items() if _is_constant(name, values)]
     facts = read_head_facts(path)
@@ -61,10 +62,12 @@ def say_torque_constant(path: Path, columns: Mapping[str, Samples], current: str
         found = [(facts["KT"].said, facts["KT"].value)]
     if len(found) != 1:
         return []
-    name, value = found[0]
+    (name, value), (column, meaning) = found[0], current
+    unit = find_unit(meaning.unit) if meaning.unit else None
+    worth = value * meaning.scale * (unit.factor if unit is not None else 1.0)
     return [
         f"{path.name}: {name!r} = {value:.6g} is called as a torque constant, and what is found is in A: for N·m write "
-        f'torque = {{ column = "{current}", scale = {value:.6g} }} and torque_unit = "N·m" in a mapping, the scale '
+        f'torque = {{ column = "{column}", scale = {worth:.6g} }} and torque_unit = "N·m" in a mapping, the scale '
         f"times the gear ratio{_say_ratio(facts)} where the position is behind a gear."
     ]
 

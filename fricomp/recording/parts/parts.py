@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.new_zero import join_zeros
+from fricomp.recording.checks.position_size import find_sign_bit, turn_sizes
 from fricomp.recording.checks.quantum import ONE_TURN, TURN_IN_DEGREES
 from fricomp.recording.checks.register import Register, find_fold, find_register, read_signed, unfold
 from fricomp.recording.checks.stuck import find_idle_rows, find_stuck_rows
@@ -126,7 +127,15 @@ def find_usable_parts(recording: Recording) -> UsableParts:
 
 
 def _unwrap_position(recording: Recording) -> tuple[Recording, tuple[str, ...]] | None:
-    """The recording with a counter of turns unwrapped, and a sentence on it; None where it counts degrees or turns."""
+    """The recording with a counter of turns unwrapped, and a sentence on it; None where it counts degrees or turns.
+
+    A size with its sign in a bit of its register is read as signed.
+    """
+    signed = find_sign_bit(np.asarray(recording.position))
+    if signed is not None:
+        read = turn_sizes(np.asarray(recording.position), *signed)
+        said = f"Position: a size with its sign in bit {signed[0]} of its register; it was read as signed"
+        return recording.with_channels(position=read), (f"{said} (sign_bit in a mapping does it for good).",)
     whole, wrap = unwrap_position(recording)
     if wrap is None:
         return whole, ()

@@ -14,6 +14,8 @@ from .text_line import fits, is_comment, split_cells
 
 _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _UNITS_OF_PAIRS = ("unit", "units", "einheit", "einheiten")
+_SCALE_OF_PAIRS = "scalefactor"
+"""What a scope calls the size of one of a column's whole numbers."""
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
 _WIDE = re.compile(r"\t+|\s{2,}")
 _WITH_UNIT = re.compile(r"[^\s\[(]+\s*(?:[\[(][^\])]*[\])])?")
@@ -75,10 +77,23 @@ def name_pairs(above: Sequence[str], width: int) -> tuple[str, ...]:
     if names is None:
         return ()
     units = next((said[word] for word in said if word.lower() in _UNITS_OF_PAIRS), [])
-    names = [_with_unit(name, unit) for name, unit in itertools.zip_longest(names, units[: len(names)], fillvalue="")]
+    scales = next((said[word] for word in said if word.lower() == _SCALE_OF_PAIRS), [])
+    units = [
+        _with_scale(*one) for one in itertools.zip_longest(units[: len(names)], scales[: len(names)], fillvalue="")
+    ]
+    names = [_with_unit(name, unit) for name, unit in itertools.zip_longest(names, units, fillvalue="")]
     unit = next((match.group(1) for word in said if (match := re.search(r"time.*\[(\w+)\]", word.lower()))), "")
     first = f"time [{unit}]" if unit else "time"
     return tuple(cell for k, name in enumerate(names) for cell in (f"{name}.time" if k else first, name))
+
+
+def _with_scale(unit: str, scale: str) -> str:
+    """The unit of a column with how many of it one of its numbers is, as names have it: `0.001 deg`."""
+    try:
+        is_one = float(scale.replace(",", ".") or 1.0) == 1.0
+    except ValueError:
+        return unit
+    return unit if is_one else f"{scale.replace(',', '.')} {unit}".strip()
 
 
 def list_headings(above: Sequence[str], mark: str, width: int, *, numbered: bool) -> Iterator[Heading]:

@@ -316,3 +316,28 @@ def test_currents_of_phases_are_told_as_such(tmp_path: Path) -> None:
     rows = [",".join(f"{value:.6f}" for value in row) for row in zip(TIME, POSITION, *phases, strict=True)]
     with pytest.raises(RecordingError, match=r"i_a and i_b and i_c are the currents of a motor's phases"):
         read_content(write(tmp_path / "log.csv", ["t,pos_rad,i_a,i_b,i_c", *rows]))
+
+
+def test_a_scope_that_scales_whole_numbers_has_their_size_in_its_head(tmp_path: Path) -> None:
+    size = (0.001, 0.002)
+    head = [
+        "Name\tAxis.ActPos\tName\tAxis.ActTorque",
+        "SampleTime[ms]\t4\tSampleTime[ms]\t4",
+        "ScaleFactor\t0.001\tScaleFactor\t0,002",
+        "Unit\tdeg\tUnit\tNm",
+        "",
+    ]
+    counts = np.round(np.column_stack([DEGREES / size[0], TORQUE / size[1]]))
+    rows = [f"{1e3 * t:.0f}\t{q:.0f}\t{1e3 * t:.0f}\t{u:.0f}" for t, (q, u) in zip(TIME, counts, strict=True)]
+    log = write(tmp_path / "scope.csv", [*head, *rows])
+    (found,) = read_named_log(log).recordings
+    assert np.allclose(found.position, POSITION, atol=1e-5)
+    assert np.allclose(found.torque, TORQUE, atol=2e-3)
+    assert np.allclose(convert_by_proposal(log, tmp_path).position, POSITION, atol=1e-5)
+
+
+def test_numbers_that_may_have_been_scaled_already_are_asked_about(tmp_path: Path) -> None:
+    head = ["Name\tAxis.ActPos\tName\tAxis.ActTorque", "ScaleFactor\t0.001\tScaleFactor\t1", "Unit\tdeg\tUnit\tNm"]
+    rows = [f"{1e3 * t:.0f}\t{q:.4f}\t{1e3 * t:.0f}\t{u:.4f}" for t, q, u in zip(TIME, DEGREES, TORQUE, strict=True)]
+    with pytest.raises(RecordingError, match=r"0\.001 deg"):
+        read_named_log(write(tmp_path / "scope.csv", [*head, "", *rows]))
