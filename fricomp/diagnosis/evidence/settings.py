@@ -277,8 +277,8 @@ class ParameterSettings:
             gravity is a load.
         follows: Chi squared of the inertia's own shift from which it is seen to follow gravity: its 95 % interval
             leaves zero.
-        gain_leaves: Chi squared that one common factor may leave of the shifts of inertia and gravity, which have two
-            degrees of freedom left.
+        gain_leaves: Chi squared that one common factor may leave of the shifts of inertia and gravity: the 95 % point
+            with the two degrees of freedom that it leaves them.
         told_in_percent: Half the difference of the directions, over the Coulomb torque, up to which it is told in per
             cent: a larger one is no share of anything.
         any_speed: Stribeck velocity [rad/s] or [m/s] of a friction that does not fall with speed, where any is right.
@@ -295,7 +295,7 @@ class ParameterSettings:
     form: float = 0.03
     usual_gain: float = 0.25
     follows: float = 1.96**2
-    gain_leaves: float = 5.0
+    gain_leaves: float = 5.99
     told_in_percent: float = 0.5
     any_speed: float = 1.0
     iterations: int = 6
