@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..joint.base import BASE_NAMES, unpack
+from ..joint.base import BASE_NAMES, straighten_curves, unpack
+from ..joint.base_fit import get_top_speed
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
@@ -123,8 +124,11 @@ def matters(baseline: Baseline) -> bool:
 
 
 def _find_level(baseline: Baseline) -> float:
-    """Coulomb torque of the base [N·m] or [N]."""
-    return unpack(baseline.fit.theta[: len(BASE_NAMES)]).level
+    """Coulomb torque of the base [N·m] or [N]; of straight curves where friction falls over all of the motion, which has
+    taken its place."""
+    theta = baseline.fit.theta[: len(BASE_NAMES)]
+    straight = straighten_curves(theta, get_top_speed(baseline.box))
+    return unpack(theta if straight is None else straight).level
 
 
 def _measure_spread(baseline: Baseline) -> float:

@@ -23,12 +23,12 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """Fit the base from `theta` to the bottom of its valley. Where both directions differ much, or friction falls over
     all of the motion, fit again from even directions, falls that are alike and straight curves, and keep the best."""
     fit, *_ = _fit_side_by_side(problem, [theta], box)
-    other = even_directions(fit.theta), align_falls(fit.theta), straighten_curves(fit.theta, _get_top_speed(box))
+    other = even_directions(fit.theta), align_falls(fit.theta), straighten_curves(fit.theta, get_top_speed(box))
     others = [box.clip(start) for start in other if start is not None]
     return min([fit, *_fit_side_by_side(problem, others, box)], key=_get_cost)
 
 
-def _get_top_speed(box: Box) -> float:
+def get_top_speed(box: Box) -> float:
     """Of the recordings [rad/s] or [m/s]: no friction of the base falls over a wider range."""
     return float(np.exp(box.upper[BASE_NAMES.index("forward.log_stribeck_velocity")]))
 
@@ -92,7 +92,7 @@ def fit_creep(problem: Problem, fit: Fit, box: Box) -> tuple[Fit, Box] | None:
         fit: Fit of the base with these weights.
         box: Domain of the base parameters.
     """
-    straight = straighten_curves(fit.theta, _get_top_speed(box))
+    straight = straighten_curves(fit.theta, get_top_speed(box))
     about = [fit.theta] if straight is None else [fit.theta, box.clip(straight)]
     proposed = [start for theta in about for start in propose_creep_starts(theta, box)]
     starts, boxes = zip(*proposed, strict=True)
@@ -146,7 +146,7 @@ def _set_creep(theta: FloatArray, rate: float) -> FloatArray:
 def _free_creep(box: Box, start: FloatArray) -> Box:
     """`box` in which friction creeps, with scales for a fit from `start`."""
     lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
-    at, top_speed = [_CREEP, _LEAD], _get_top_speed(box)
+    at, top_speed = [_CREEP, _LEAD], get_top_speed(box)
     lower[at], upper[at] = (JOINT.slowest_creep * top_speed, 0.0), (JOINT.fastest_creep * top_speed, JOINT.longest_lead)
     creep, lead = max(float(start[_CREEP]), lower[_CREEP]), max(float(start[_LEAD]), 1.0 / max(JOINT.creep_rates))
     scale[at] = 0.1 * creep, 0.1 * lead
