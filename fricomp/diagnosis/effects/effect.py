@@ -79,10 +79,11 @@ class EffectParameter:
             return False
         return abs(value - self.null) <= EFFECT.at_bound * (self.upper - self.lower)
 
-    def touches_end(self, value: float) -> bool:
-        """Whether a value stands where its domain or the search of it ends, in the solver's coordinates."""
+    def touches_end(self, value: float, *, low: bool = True) -> bool:
+        """Whether a value stands where its domain or the search of it ends, in the solver's coordinates; at the higher
+        end alone where the lower one, `low`, does not count."""
         margin = EFFECT.at_bound * min(self.upper - self.lower, max(abs(value), self.scale))
-        return not self.lower + margin < value < self.upper - margin
+        return value >= self.upper - margin or (low and value <= self.lower + margin)
 
     def compute_form_deviation(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""

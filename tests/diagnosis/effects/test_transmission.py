@@ -224,3 +224,13 @@ def test_a_load_stays_as_heavy_where_the_joint_turns_out_to_be_another(context: 
     added = [one.compute_contributions(theta)[0].additive for one, theta in zip((before, after), at, strict=True)]
     assert np.max(np.abs(added[0] - added[1])) < 1e-9 * np.max(np.abs(added[0]))
     assert after.move_to((context,)).build_start() == pytest.approx(before.build_start())
+
+
+def test_a_spring_of_a_motor_without_inertia_or_that_never_swings_is_none(context: Context) -> None:
+    """A soft bristle that is damped as strongly came with a spring of both beside its own name."""
+    effect = EFFECTS["joint_elasticity"]
+    usual = {"stiffness": 6.0, "load_share": 0.6, "damping_ratio": -2.0, "hardening": 0.0}
+    assert effect.refuse(usual, (context,)) is None
+    assert effect.refuse(usual | {"load_share": EFFECT.load_shares[0]}, (context,)) is None
+    assert effect.refuse(usual | {"load_share": EFFECT.load_shares[1]}, (context,)) == "the motor would have no inertia"
+    assert effect.refuse(usual | {"damping_ratio": 0.0}, (context,)) == "the spring would never swing"
