@@ -57,8 +57,9 @@ class TorqueSaturation(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         beyond = np.concatenate([_cut_beyond(context, values["limit"]) for context in contexts])
         largest, cut = _find_largest(contexts), bool(np.any(beyond))
-        gained = -values["coefficient"] * min(values["limit"], largest) ** 3
-        if gained >= (self.limit_step * largest if cut else 0.0):
+        most = min(values["limit"], largest)
+        gained = -values["coefficient"] * most**3
+        if gained >= (self.limit_step * most if cut else 0.0):
             return "the torque would exceed the recorded one"
         if not cut:
             return refuse_large_loss([values["coefficient"] * context.torque**2 for context in contexts])
