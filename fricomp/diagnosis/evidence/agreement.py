@@ -51,7 +51,8 @@ def prefer_agreeing(
         most = max(ALIASES.close, AGREEMENT.hides * best.left, found.explainable_null)
 
         def fits(one: Explanation) -> bool:
-            return not one.refused and _measure_lack(baseline, one, best) < most
+            explains = not one.refused and one.gain > AGREEMENT.least * best.gain
+            return explains and _measure_lack(baseline, one, best) < most
 
         options = [one for one in list_alternatives(found) if fits(one)]
         if rigid is not None and rigid.rotary:

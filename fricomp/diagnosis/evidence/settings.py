@@ -228,6 +228,7 @@ class AgreementSettings:
 
     Attributes:
         near: Part of the best gain from which another explanation is tried with the simulation's parameters too.
+        least: Part of the best gain that one must have, whatever few rows may hide.
         most_near: Explanations that are tried so. Each costs a fit for every form of its effects.
         most_starts: Forms of its effects from which each of them is fitted.
         hides: Energy that a fit may have hidden in inertia and gravity, in units of what it leaves unexplained.
@@ -236,6 +237,7 @@ class AgreementSettings:
     """
 
     near: float = 0.9
+    least: float = 0.5
     most_near: int = 2
     most_starts: int = 4
     hides: float = 4.0
