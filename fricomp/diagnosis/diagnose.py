@@ -16,6 +16,7 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .channels.reading import read_channels, read_held, read_loads
+from .delivery.models import Delivery
 from .effects.structure import N_BASE
 from .evidence.alias import measure_late_rival
 from .evidence.case import Case
@@ -40,6 +41,7 @@ from .search.late_torque import measure_late_torque
 from .search.preparation import Baseline, prepare
 from .search.rounds import search_in_rounds
 from .search.settings import SEARCH
+from .verdict.delivering import deliver, leave_out_worse
 from .verdict.experiment import propose_experiment
 from .verdict.judging import Verdict, describe_repetitions, join_channels, judge, judge_beside
 from .verdict.late_rival import choose_late, leaves_noise_alone
@@ -196,15 +198,16 @@ def _run_stages(
         if reasons:
             return write_refusal(given, reasons, told)
         others = _repeat_with_other_noise(given, simulated, progress) if thorough else ()
+        findings, verdict, delivery = _hold_to_files(given, (findings, verdict), simulated, progress)
         remarks = (*given.remarks, *describe_repetitions(verdict, others))
         verdict = join_channels(verdict, read_channels(given.recordings))
         if verdict.sample is not None:
-            return write_diagnosis(findings, verdict, remarks=remarks, whole=given.whole)
+            return write_diagnosis(findings, verdict, delivery, remarks=remarks)
         remarks += _look_at_slow_motion(given, verdict, progress)
         proposal = propose_experiment(findings)
         _report(progress, "simulating forward in MuJoCo")
         forward = _simulate_forward(given, findings)
-        return write_diagnosis(findings, verdict, proposal, forward, remarks, given.whole)
+        return write_diagnosis(findings, verdict, delivery, proposal, forward, remarks)
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
@@ -286,6 +289,18 @@ def _judge_case(
     baseline, found = search_in_rounds(base(), base, case.seed, partial(_report, progress))
     findings = collect_findings(prefer_simulation(replace(case, baseline=baseline, found=found)))
     return findings, judge_beside(findings, verdict.sample, simulated)
+
+
+def _hold_to_files(
+    given: Given, answer: tuple[Findings, Verdict], simulated: SimulationEffects | None, progress: Progress | None
+) -> tuple[Findings, Verdict, Delivery | None]:
+    """The answer with the models that are handed over with it; another one where these do not bear it out."""
+    findings, verdict = answer
+    delivery = deliver(findings, verdict, given.whole)
+    while without := leave_out_worse(findings, verdict, delivery):
+        findings, verdict = _judge_case(given, replace(findings.case, found=without), simulated, progress)
+        delivery = deliver(findings, verdict, given.whole)
+    return findings, verdict, delivery
 
 
 def _repeat_with_other_noise(

@@ -124,7 +124,7 @@ def matters(baseline: Baseline) -> bool:
 
 
 def _find_level(baseline: Baseline) -> float:
-    """Coulomb torque of the base [N·m] or [N]; of straight curves where friction falls over all of the motion, which has
+    """Coulomb torque of the base [N·m] or [N]: of straight curves where friction that falls over all of the motion has
     taken its place."""
     theta = baseline.fit.theta[: len(BASE_NAMES)]
     straight = straighten_curves(theta, get_top_speed(baseline.box))

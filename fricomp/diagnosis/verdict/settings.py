@@ -15,12 +15,15 @@ class VerdictSettings:
             development cases; a smaller value replaces a ripple by itself.
         larger: Ratio of amplitudes from which the finer ripple is the one to name. Chosen likewise.
         rivals: Explanations that are listed. More of them would hide the few that count.
+        worse: Part by which the held-out error of the written model may rise with what is named: folds move that of an
+            effect which matters little by some per cent.
         exponent: Stribeck exponent of the base: its friction falls as a Gaussian of the speed [armstrong1994survey].
     """
 
     other_order: float = 1.5
     larger: float = 2.0
     rivals: int = 12
+    worse: float = 0.1
     exponent: float = 2.0
 
 

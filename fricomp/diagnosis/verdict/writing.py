@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from fricomp.model import FrictionModel
-from fricomp.recording import Recording
-
-from ..delivery.models import Delivery, deliver_models
-from ..effects import EFFECTS
+from ..delivery.models import Delivery
 from ..evidence.findings import Findings
 from ..evidence.location import map_excess
-from ..evidence.undetermined import cancels_with_gravity, list_undetermined
+from ..evidence.undetermined import list_undetermined
 from ..inputs.given import Given
 from ..joint.base import BASE_NAMES
 from ..record.result import (
@@ -38,8 +33,6 @@ from ..record.sentence import (
     write_record,
 )
 from .experiment import Proposal
-from .extension import write_base_model, write_extended_model
-from .given_model import write_given_model
 from .judging import Verdict, choose_verdict
 from .probability import compute_probability, list_probabilities
 
@@ -47,25 +40,23 @@ from .probability import compute_probability, list_probabilities
 def write_diagnosis(
     findings: Findings,
     verdict: Verdict,
+    delivery: Delivery | None,
     proposal: Proposal | None = None,
     forward: Forward | None = None,
     remarks: Sequence[str] = (),
-    whole: Sequence[Recording] = (),
 ) -> Diagnosis:
     """Write the record with its sentences, and beside it the curves and models.
 
     Args:
         findings: Evidence from the rows.
         verdict: What was judged of it.
+        delivery: The models that are handed over with it; None where there are none.
         proposal: The motion that would tell rivals apart; None where none is proposed.
         forward: Errors of a forward simulation; None where there was none.
         remarks: What the checks of the data noticed.
-        whole: All that is usable, where stretches of it were searched.
     """
     case, sample = findings.case, verdict.sample
     lawless = sample is not None and sample.lawless
-    undetermined = () if lawless else list_undetermined(findings.refitted, (case.unit, case.position_unit))
-    delivery = _deliver(findings, verdict, undetermined, whole)
     looked = () if delivery is None else delivery.remarks
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
@@ -79,7 +70,7 @@ def write_diagnosis(
         noise_ratio=verdict.noise_ratio,
         coverage=verdict.coverage,
         base={} if lawless else findings.base,
-        undetermined=undetermined,
+        undetermined=() if lawless else list_undetermined(findings.refitted, (case.unit, case.position_unit)),
         changes=verdict.changes,
         rivals=verdict.rivals,
         probability=list_probabilities(findings, verdict.effects, sample, verdict.read_off),
@@ -109,35 +100,6 @@ def _collect_evidence(findings: Findings, verdict: Verdict, delivery: Delivery |
     if sample is None:
         return Evidence(findings.series, findings.maps, findings.orders, findings.change_points, files)
     return Evidence(sample.series, map_excess(sample.series, findings.case.bands), sample.orders, files=files)
-
-
-def _deliver(
-    findings: Findings, verdict: Verdict, undetermined: Sequence[str], whole: Sequence[Recording]
-) -> Delivery | None:
-    """The models that are handed over with the answer; None where the joint obeys no law of its own motion."""
-    case, sample = findings.case, verdict.sample
-    if sample is not None and sample.lawless:
-        return None
-    cancels = cancels_with_gravity(findings.refitted)
-    base = write_base_model(case.recordings, case.baseline, cancels=cancels)
-    joint = None if findings.chosen is None else findings.refitted
-    rows = write_extended_model(case.recordings, joint, case.spring, cancels=cancels)
-    extended = rows if sample is None else sample.extend((rows if sample.waves else None) or base)
-    named = [one.name for one in verdict.effects if one.kind == "physics"]
-    missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
-    names = [rows.name for rows in findings.series]
-    given = write_given_model(findings, base) if verdict.held.before == "given" else None
-    found = deliver_models(case.recordings, base, extended, missing, names=names, given=given, whole=whole)
-    noted = None if found.extended is None else _note(found.extended, undetermined)
-    return replace(found, base=_note(found.base, undetermined), extended=noted)
-
-
-def _note(model: FrictionModel, undetermined: Sequence[str]) -> FrictionModel:
-    """The model with a note on those of its numbers that the recordings do not determine."""
-    if not undetermined:
-        return model
-    notes = {**model.provenance.notes, "undetermined": ", ".join(undetermined)}
-    return replace(model, provenance=replace(model.provenance, notes=notes))
 
 
 def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:

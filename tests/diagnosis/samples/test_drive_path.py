@@ -75,7 +75,7 @@ def test_a_joint_that_obeys_no_law_of_its_own_motion_is_judged_by_its_drive_alon
     )
     verdict = judge(lawless, look_into_samples(lawless))
     assert (verdict.word, [one.name for one in verdict.effects]) == ("measurement", ["drive_lag"])
-    diagnosis = write_diagnosis(lawless, verdict)
+    diagnosis = write_diagnosis(lawless, verdict, None)
     assert diagnosis.sentences[0].endswith("its friction cannot be judged here.")
     assert diagnosis.record.base == {}
     assert diagnosis.base_model is None

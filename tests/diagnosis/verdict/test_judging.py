@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import pytest
 
+from fricomp.diagnosis.delivery.models import Delivery
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.evidence.comparison import Comparison, Shift
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.inputs.given import Given
+from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
 from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, VerdictName
 from fricomp.diagnosis.record.sentence import NO_MOTION, NOTHING_BUT_SHARED
+from fricomp.diagnosis.verdict.delivering import WORSE, leave_out_worse
 from fricomp.diagnosis.verdict.experiment import Proposal
 from fricomp.diagnosis.verdict.judging import choose_verdict, join_channels, judge
 from fricomp.diagnosis.verdict.shared_effect import SimulationEffects
 from fricomp.diagnosis.verdict.writing import write_diagnosis, write_refusal
+from fricomp.evaluation.result import TorqueError
+from fricomp.laws import Coulomb, FrictionLaw
+from fricomp.model import FrictionModel
 
 from ..known import known_baseline, known_case, known_findings, known_fit, known_search
 
@@ -67,13 +73,13 @@ def test_sentences_stand_in_one_order_and_remarks_come_last() -> None:
     baseline = known_baseline()
     trial = Trial(chosen=known_fit(baseline, ("cogging",), 50.0))
     findings = known_findings(baseline, trial=trial, effects=(effect,))
-    record = write_diagnosis(findings, judge(findings), forward=_FORWARD, remarks=("noticed",)).record
+    record = write_diagnosis(findings, judge(findings), None, forward=_FORWARD, remarks=("noticed",)).record
     assert record.sentences[0].startswith("This recording shows physics")
     assert record.sentences[-3] == NO_MOTION
     assert record.sentences[-2].startswith("Simulated forward in MuJoCo")
     assert record.sentences[-1] == "noticed"
     proposal = Proposal({}, "a sine", ("cogging", "kinematic_error"), 0.1)
-    proposed = write_diagnosis(findings, judge(findings), proposal).record
+    proposed = write_diagnosis(findings, judge(findings), None, proposal).record
     assert NO_MOTION not in proposed.sentences
     assert proposed.next_experiment is not None
 
@@ -84,7 +90,7 @@ def test_what_the_simulation_shows_as_well_is_not_missing() -> None:
     trial = Trial(chosen=known_fit(baseline, ("cogging",), 50.0))
     findings = known_findings(baseline, trial=trial, effects=(effect,))
     own = SimulationEffects((NamedEffect(name="cogging", kind="physics", parameters={}),), remarks=("last",))
-    record = write_diagnosis(findings, judge(findings, simulated=own), remarks=("noticed",)).record
+    record = write_diagnosis(findings, judge(findings, simulated=own), None, remarks=("noticed",)).record
     assert (record.verdict, record.effects) == ("consistent", ())
     assert record.sentences[0] == NOTHING_BUT_SHARED
     assert NO_MOTION not in record.sentences
@@ -126,3 +132,23 @@ def test_what_two_channels_show_is_named_beside_the_rows_and_once() -> None:
 def test_something_unknown_stays_so_beside_a_late_drive() -> None:
     unknown = judge(known_findings(known_baseline(), unknown=True))
     assert join_channels(unknown, (_read_off("drive_lag", "measurement"),)).word == "unknown_physics"
+
+
+@pytest.mark.parametrize(("after", "left"), [(1.05, None), (1.5, ("torque_delay",))])
+def test_a_name_goes_with_which_the_written_model_does_worse_on_data_left_out(
+    after: float, left: tuple[str, ...] | None
+) -> None:
+    """A drive behind a slow bus had an uneven gear of which its own line said that it was no better than none."""
+    baseline = known_baseline()
+    chosen, rival = known_fit(baseline, ("kinematic_error",), 53.0), known_fit(baseline, ("torque_delay",), 40.0)
+    case = known_case(baseline, known_search(chosen, rival))
+    findings = known_findings(baseline, case, trial=Trial(chosen=chosen))
+    before, behind, file = (
+        ModelErrors(torque=TorqueError(rms, (rms, rms), rms, 2.0, "N·m", 20.0, 30.0)) for rms in (1.0, after, 0.9)
+    )
+    base = FrictionModel(FrictionLaw((Coulomb(1.0),)))
+    delivery = Delivery(base, base, FileErrors(before=before, after=behind, file=file, folds=5))
+    without = leave_out_worse(findings, judge(findings), delivery)
+    assert (None if without is None else without.best and without.best.names) == left
+    if without is not None:
+        assert [one.refused for one in without.explanations] == ["", WORSE]
