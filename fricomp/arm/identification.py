@@ -240,8 +240,9 @@ class ArmSearch:
             self.rivals[alike[0]] = tuple(alike[1:])
             chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
             fit, equations = fit_robustly(self.arm, rows, equations, chosen.model, self.prior, chosen)
-            if alike[0].endswith(f": {YIELDING_GEAR}"):  # until then links made up for it, and what bends it
-                searches[GEARS.index("spring")] = GearSearch(GearMotion(rows, fit), "spring")
+            if any(YIELDING_GEAR in form.names for form in fit.model.forms):  # links make up for what a gear is off by
+                spring = GEARS.index("spring")
+                searches[spring] = searches[spring].follow(GearMotion(rows, fit))
 
 
 def _try_out(

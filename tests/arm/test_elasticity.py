@@ -19,6 +19,7 @@ from fricomp.arm.search.gear import swings
 from fricomp.arm.search.gear_motion import Gear
 
 from .moving_arm import bend_gear, record_arm, write_arm
+from .swinging_arm import record_swinging
 from .test_examination import follow_load, names_of
 
 _ELBOW = 1
@@ -42,6 +43,16 @@ def test_the_stiffness_of_a_gear_behind_the_encoder_is_told(tmp_path: Path, stif
     assert effect.parameters["stiffness"].unit == "N·m/rad"
     off = [link for link in record.links if link.state == "off"]
     assert all(link.mass.value == pytest.approx(link.simulated_mass, rel=0.03) for link in off)
+
+
+@pytest.mark.parametrize("stiffness", [300.0, 500.0])
+def test_the_stiffness_of_a_gear_on_which_the_load_swings_on_is_told(tmp_path: Path, stiffness: float) -> None:
+    """Whatever it is: between two that the search began from it was told a third too small, or a wrist had a spring."""
+    simulation = write_arm(tmp_path)
+    record = examine_arm(record_swinging(simulation, stiffness, duration=20.0), simulation).record
+    assert names_of(record) == _GEAR
+    (effect,) = record.joints[_ELBOW].effects
+    assert effect.parameters["stiffness"].value == pytest.approx(stiffness, rel=0.15)
 
 
 def test_files_of_an_elastic_arm_go_less_wrong_than_its_simulation(tmp_path: Path) -> None:

@@ -39,9 +39,14 @@ _RATES = (60.0, 120.0, 240.0, 480.0)
 """[1/s] at which the mean load swings on teeth that touch: from gears that are hardly stiffer than a loop that holds
 an arm to those whose swings no row shows."""
 
-_YIELDING = tuple(8.0 * 2.0 ** (0.5 * k) for k in range(11))
-"""[1/s] of the same on a gear without a gap that gives way, up to 256: a stiffer one changes next to nothing. Between
-two of them, what gravity bends differs by a third."""
+_YIELDING = tuple(8.0 * 2.0 ** (0.25 * k) for k in range(21))
+"""[1/s] of the same on a gear without a gap that gives way, up to 256: a stiffer one changes next to nothing. A load
+that is hardly damped swings on for several periods after each stop, and with twice the steps between two of them none
+was in time with it."""
+
+_START_SPREAD = 0.3
+"""Standard deviation of the factor on what a gear that gives way changes, about one, as long as it is one to start
+from: a swing that is not quite in time explains a part of what it will."""
 
 _DAMPING = 0.2
 """Damping ratio of that swing to start from."""
@@ -79,6 +84,7 @@ class _Kind:
         refined: Numbers of a gear that are moved.
         told: The one that is told.
         turns: Least changes of sign of the transmitted torque.
+        near: The same as `spread` of a gear to start from, which is only near the one that is looked for.
         spread: Standard deviation of the factor on what a gear changes about one, which the law has; any may stand in
             for a width that lies between two. Below its swing a gear gives way by its load over its stiffness, so that
             any factor would do for that; and what it changes is computed to some hundredths.
@@ -89,13 +95,20 @@ class _Kind:
     refined: tuple[str, ...]
     told: str
     turns: int
+    near: float
     spread: float
 
 
 _KINDS: dict[Filled, _Kind] = {
-    "gap": _Kind(GAP, tuple(product((0.0, *_WIDTHS), _RATES)), Gear._fields, "width", _TURNS, np.inf),
+    "gap": _Kind(GAP, tuple(product((0.0, *_WIDTHS), _RATES)), Gear._fields, "width", _TURNS, np.inf, np.inf),
     "spring": _Kind(
-        YIELDING_GEAR, tuple((0.0, rate) for rate in _YIELDING), ("stiffness", "damping"), "stiffness", 0, 0.03
+        YIELDING_GEAR,
+        tuple((0.0, rate) for rate in _YIELDING),
+        ("stiffness", "damping"),
+        "stiffness",
+        0,
+        _START_SPREAD,
+        0.03,
     ),
 }
 
@@ -122,6 +135,16 @@ class GearSearch:
         self._starts: dict[int, tuple[list[Gear], FloatArray]] = {}
         self._settled: dict[int, Gear] = {}  # as the last fit asked for them; another term moves them little
 
+    def follow(self, motion: GearMotion) -> GearSearch:
+        """The same search on what gears change beside other links, from where gears were found to be.
+
+        Args:
+            motion: Of all joints.
+        """
+        other = GearSearch(motion, self._filled)
+        other._settled = self._settled
+        return other
+
     def propose(self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, judge: JointJudges) -> ArmEquations:
         """The equations with a gear in the columns of each joint: that which explains most of what is left of it.
 
@@ -139,6 +162,8 @@ class GearSearch:
         found = {j: one for j in self._joints if j not in has and (one := self._choose(judges[j], j)).gain > 0.0}
         known = {j: _Tried(Gear(*equations.gears[self._filled][j].tolist()), 1.0) for j in has}
         if self._kind.spread < np.inf:
+            for j, one in known.items():  # it stands where the factor is of a swing, which follows no stiffness
+                self._settled.setdefault(j, one.gear)
             known = {j: one._replace(gear=self._take_share(one.gear, fit, j)) for j, one in known.items()}
             new = found.keys() - self._settled.keys()
             settled = self._settle(equations, fit, prior, found | known, _ROUNDS if new else _FEWER)
@@ -217,7 +242,7 @@ class GearSearch:
         """The gear that explains most; of no gain where none does better than one that is said to be none of the kind:
         teeth that always touch are no gap."""
         gears, own = self._build_starts(joint)
-        gains = judge.measure_gains(own, self._kind.spread).tolist()
+        gains = judge.measure_gains(own, self._kind.near).tolist()
         tried = [_Tried(*pair) for pair in zip(gears, gains, strict=True)]
         best = max(tried, key=lambda one: one.gain)
         touching = (one.gain for one in tried if one.gear.width == 0.0 and self._filled == "gap")
