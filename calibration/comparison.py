@@ -193,7 +193,12 @@ def _compute_difference(old: FrictionModel, new: FrictionModel) -> _Difference:
     both = (old.covariance, new.covariance)
     names = [name for name in old.covariance.names if name in new.covariance.names]
     if not names:
-        raise ParameterError("the two models share no identified parameter")
+        laws = [" + ".join(term.name for term in model.law.terms) for model in (old, new)]
+        raise ParameterError(
+            f"the two models share no identified parameter, since their laws differ ({laws[0]} and {laws[1]}): "
+            "identify the data of both with the same law (fricomp identify --law symmetric_stribeck, or "
+            "coulomb_viscous where that is not determined)"
+        )
     rows = [[covariance.names.index(name) for name in names] for covariance in both]
     first, second = (covariance.matrix[np.ix_(row, row)] for covariance, row in zip(both, rows, strict=True))
     known = np.flatnonzero(np.diag(first + second) > 0.0)

@@ -78,6 +78,7 @@ class JointHistory:
         models: In order of time.
         trends: Of every parameter that all models have, with a deviation.
         comparisons: Of each model but the first with the one before; None where they cannot be compared.
+        refusals: Why not, for each of these; empty where they were compared.
     """
 
     joint: str
@@ -85,6 +86,7 @@ class JointHistory:
     models: tuple[KeptModel, ...]
     trends: tuple[Trend, ...]
     comparisons: tuple[Change | None, ...]
+    refusals: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -131,8 +133,10 @@ def _follow(joint: str, diagnosed: bool, models: list[KeptModel]) -> JointHistor
     days = np.array([(one.when - ordered[0].when).total_seconds() / _DAY for one in ordered])
     shared = [name for name in ordered[0].estimates if all(name in one.estimates for one in ordered)]
     trends = [_fit_trend(name, days, [one.estimates[name] for one in ordered]) for name in shared]
-    comparisons = tuple(_compare(old, new) for old, new in pairwise(ordered))
-    return JointHistory(joint, diagnosed, ordered, tuple(trends), comparisons)
+    compared = [_compare(old, new) for old, new in pairwise(ordered)]
+    comparisons = tuple(None if isinstance(one, str) else one for one in compared)
+    refusals = tuple(one if isinstance(one, str) else "" for one in compared)
+    return JointHistory(joint, diagnosed, ordered, tuple(trends), comparisons, refusals)
 
 
 def _fit_trend(name: str, days: FloatArray, known: Sequence[Estimate]) -> Trend:
@@ -151,13 +155,14 @@ def _fit_trend(name: str, days: FloatArray, known: Sequence[Estimate]) -> Trend:
     return Trend(name, unit, days, values, deviations, slope, float(quantile * np.sqrt(excess / spread)))
 
 
-def _compare(old: KeptModel, new: KeptModel) -> Change | None:
+def _compare(old: KeptModel, new: KeptModel) -> Change | str:
+    """What two models say otherwise; why they cannot be compared, where they cannot."""
     if old.effects is not None and new.effects is not None:
         return _compare_diagnoses(old, new)
     try:
         found = compare_models(old.model, new.model, _SIGNIFICANCE)
-    except FricompError:
-        return None
+    except FricompError as error:
+        return str(error)
     return Change(found.changed, tuple(one.name for one in found.significant), found.added, found.removed)
 
 

@@ -94,6 +94,20 @@ def _say_change(name: str, before: Estimate | None, after: Estimate | None) -> s
 
 
 def _say_span(history: JointHistory) -> list[str]:
+    """What limits what a history says: models that were not compared, and dates that are not of the recordings."""
+    return [*_say_refusals(history), *_say_dates(history)]
+
+
+def _say_refusals(history: JointHistory) -> list[str]:
+    """Which models could not be compared with the one before, by the reason: of these no change is told."""
+    which: dict[str, list[str]] = {}
+    for kept, reason in zip(history.models[1:], history.refusals, strict=False):
+        if reason:
+            which.setdefault(reason, []).append(f"{kept.when:%Y-%m-%d %H:%M}")
+    return [f"Not compared with the one before, {', '.join(when)} UTC: {why}." for why, when in which.items()]
+
+
+def _say_dates(history: JointHistory) -> list[str]:
     """That dates are those of the identification, where some are, or all models were made one after the other."""
     first, last = history.models[0].when, history.models[-1].when
     dated = sum(one.is_dated for one in history.models)
@@ -143,7 +157,7 @@ def _print(history: JointHistory) -> None:
     changes = _tell_changes(history)
     for when, what in changes:
         screen.print(f"Changed at {when} UTC: {what}.", style="yellow")
-    if not changes and history.comparisons:
+    if not changes and any(one is not None for one in history.comparisons):
         screen.print("No change from one model to the next.")
 
 
@@ -162,6 +176,11 @@ def _as_answer(history: JointHistory) -> dict[str, Any]:
                 "days": one.days, "slope": one.slope, "reach": one.reach, "significant": one.is_significant,
             }
             for one in history.trends
+        ],
+        "not_compared": [
+            {"when": kept.when.isoformat(), "why": why}
+            for kept, why in zip(history.models[1:], history.refusals, strict=False)
+            if why
         ],
         "changes": [{"when": when, "what": what} for when, what in _tell_changes(history, numbers=False)],
     }  # fmt: skip
@@ -186,6 +205,8 @@ def _build_page(histories: tuple[JointHistory, ...]) -> ReportPage:
         if changes or any(trend.is_significant for trend in history.trends):
             moved.append(history.title)
     said = f"Changed or drifting: {', '.join(moved)}." if moved else "No joint has changed or drifts beyond chance."
+    if any(any(history.refusals) for history in histories):
+        said += " Not all models could be compared with the one before."
     count = len({history.joint for history in histories})
     return ReportPage(
         f"{count} joint{'s' if count > 1 else ''} over time", (said,), tuple(sections),

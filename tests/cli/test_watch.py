@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
-from fricomp.laws import Coulomb, FrictionLaw, Viscous
+from fricomp.laws import Coulomb, FrictionLaw, SmoothedCoulomb, Viscous
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity, load_model, save_model
 
 DEVIATION = 1e-3
@@ -167,3 +167,21 @@ def test_one_model_alone_is_said_to_be_one(tmp_path: Path) -> None:
     output = call(tmp_path).output
     assert "Joint elbow: one model" in output
     assert "No change" not in output
+
+
+def test_models_of_two_laws_are_said_to_be_uncompared_and_not_unchanged(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3, 0.3])
+    last = tmp_path / "elbow-1" / "friction.json"
+    model = load_model(last)
+    assert model.covariance is not None
+    other = FrictionLaw((SmoothedCoulomb(0.9, 0.1),))
+    names = tuple(other.parameters())[:2]
+    save_model(replace(model, law=other, covariance=replace(model.covariance, names=names)), last)
+    done = call(tmp_path, "--out", tmp_path / "watch.html")
+    said = " ".join(done.output.split())
+    assert "No change" not in said
+    assert "Not all models could be compared" in (tmp_path / "watch.html").read_text()
+    assert "since their laws differ" in said
+    assert "--law symmetric_stribeck" in said
+    (joint,) = json.loads(call(tmp_path, "--json").stdout)["joints"]
+    assert [one["when"] for one in joint["not_compared"]] == ["2026-03-02T12:00:00+00:00"]

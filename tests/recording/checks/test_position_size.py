@@ -8,15 +8,16 @@ import pytest
 from fricomp.recording import Recording, check_recording
 from fricomp.recording.checks.position_size import find_sign_bit
 from fricomp.recording.parts.parts import find_usable_parts
+from fricomp.recording.validity import Samples
 
 from ..joint_log import joint_log
 
 STEP = 2.0 * np.pi / 4096
 
 
-def _count(recording: Recording) -> np.ndarray:
+def _count(recording: Recording) -> Samples:
     position = np.asarray(recording.position)
-    return np.round((position - 0.5 * (position.min() + position.max())) / STEP)
+    return np.asarray(np.round((position - 0.5 * (position.min() + position.max())) / STEP), dtype=np.float64)
 
 
 @pytest.mark.parametrize("bit", [11, 15])

@@ -129,3 +129,22 @@ def test_rows_with_one_cell_more_that_counts_nothing_keep_their_names(tmp_path: 
     rows = (f"{t:.4f},{q:.6f},{tau:.5f},7.5" for t, q, _, tau in ROWS)
     with pytest.raises(RecordingError, match="cells"):
         read_source(_write(tmp_path / "log.csv", "time,position,torque", *rows), Intake())
+
+
+@pytest.mark.parametrize(
+    ("before", "scale"),
+    [("[{:10.4f}s] ", 1.0), ("[{:.1f} ms] ", 1e3), ("({:.0f}us) can0: ", 1e6), ("{:.1f}ms: ", 1e3)],
+)
+def test_a_time_with_its_unit_in_front_of_the_labels_is_read(before: str, scale: float, tmp_path: Path) -> None:
+    time = 0.004 * np.arange(500)
+    position = np.sin(3.0 * time)
+    rows = [
+        f"{before.format(scale * t)}POS={q:+.6f}rad T={np.cos(3.0 * t):+.6f}Nm"
+        for t, q in zip(time, position, strict=True)
+    ]
+    log = tmp_path / "log.txt"
+    log.write_text("\n".join(rows) + "\n")
+    (read,) = read_source(log, Intake())
+    found = read.recording
+    assert np.allclose(found.time - found.time[0], time, atol=1e-6)
+    assert np.allclose(found.position, position, atol=1e-5)

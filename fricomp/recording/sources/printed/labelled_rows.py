@@ -22,12 +22,13 @@ _LABELLED = re.compile(
 _STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
 _DAY = r"(?:(?:[A-Z][a-z]{2}\s+\d{1,2}|\d\d-\d\d)\s+(?=\d\d:))?"
 """A day without its year before a time of day, as journals and phones write it: `Mar 10 23:59:50.004 host a[8]:`."""
+_UNIT_OF_TIME = r"(?:\s?(s|sec|ms|us|µs|ns)(?![\w.]))?"
 _FIRST, _LAST = (
-    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP})\s*[\])]?(?=[\s:;,]|$)"),
-    re.compile(r"(?<=\s)(\d+(?:\.\d+)?)\s*$"),
+    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP}){_UNIT_OF_TIME}\s*[\])]?(?=[\s:;,]|$)"),
+    re.compile(rf"(?<=\s)(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*$"),
 )
 """A number without a label at an end of the line: when it was written."""
-_ASIDE = re.compile(r"[\[(](\d+(?:\.\d+)?)[\])]")
+_ASIDE = re.compile(rf"[\[(]\s*(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*[\])]")
 """The same in brackets before the first label: `I (3120) motor: pos=0.1`, `[INFO] [1710460790.25] [node]: pos: 0.1`."""
 _DAY_LONG = 86400.0
 """[s]"""
@@ -59,8 +60,8 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
     labelled = [(line, _LABELLED.findall(line)) for line in (lines if is_whole else lines[:-1])]
     labelled = [(line, found) for line, found in labelled if len(found) >= _FEWEST]
     rows = [{_name_with_unit(label, unit): number for label, number, unit in found} for _, found in labelled]
-    stamps = _read_stamps([line for line, _ in labelled])
-    rows = [row | {_STAMPS: stamp} for row, stamp in zip(rows, stamps, strict=True)] if stamps else rows
+    name, stamps = _read_stamps([line for line, _ in labelled])
+    rows = [row | {name: stamp} for row, stamp in zip(rows, stamps, strict=True)] if stamps else rows
     return join_rows(rows)
 
 
@@ -92,17 +93,22 @@ def _name_with_unit(label: str, unit: str) -> str:
     return f"{label} [{unit}]" if unit and (unit == "%" or of_time or read_unit(unit)) else label
 
 
-def _read_stamps(lines: Sequence[str]) -> list[str]:
-    """The number without a label of each line, where all have one and they rise; empty where they do not."""
+def _read_stamps(lines: Sequence[str]) -> tuple[str, list[str]]:
+    """The number without a label of each line, where all have one and they rise, and a name for them.
+
+    The unit that stands behind all of them alike is in the name; the numbers are empty where they do not rise.
+    """
     heads = [line[: match.start()] if (match := _LABELLED.search(line)) else line for line in lines]
     for where, looked_at in ((_FIRST, lines), (_LAST, lines), (_ASIDE, heads)):
         found = [where.search(line) for line in looked_at]
         stamps = [match.group(1).replace(",", ".") for match in found if match is not None]
-        if len(stamps) < len(lines):
+        units = {match.group(2) for match in found if match is not None}
+        if len(stamps) < len(lines) or len(units) > 1:
             continue
         numbers = [parse_number(stamp, ".") for stamp in stamps]
         over = any(":" in stamp and "-" not in stamp for stamp in stamps[:1])  # a time of day may pass midnight
         steps = [b - a + (_DAY_LONG if over and b < a - 0.5 * _DAY_LONG else 0.0) for a, b in pairwise(numbers)]
         if sum(steps) > 0.0 and min(steps) >= 0.0:
-            return stamps
-    return []
+            (unit,) = units or {None}
+            return f"{_STAMPS} [{unit}]" if unit else _STAMPS, stamps
+    return _STAMPS, []
