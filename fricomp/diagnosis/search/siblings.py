@@ -17,20 +17,20 @@ from .settings import SEARCH
 
 def fit_siblings(baseline: Baseline, best: Explanation) -> list[Explanation]:
     """Fit each other law of friction under load, and each other ripple at the order that was found, in place of that of
-    the best explanation, such a law beside it, and each other form of its effects, with the rest of it and without.
+    the best explanation, such a law beside it or in place of its waves of friction, and each other form of its effects,
+    with the rest of it and without.
 
     A base without such friction has another gravity, and with it another load, and one without a strong ripple is bent
     far: from there one law may get no further than to another minimum, however well it would explain the joint that
     another one has led to. So may a form, and another effect then takes what it lacks.
     """
     whole, theta = rebuild(baseline, best), best.fit.theta[:N_BASE]
-    wanted = _list_loads(whole) + _list_ripples(whole) + _list_forms(whole)
-    if not wanted:
+    wanted, freed = _list_loads(whole) + _list_ripples(whole) + _list_forms(whole), _list_unwaved(whole)
+    if not wanted + freed:
         return []
     race = Race(baseline.fit.cost, best.fit.cost)
-    fitted = fit_from(
-        baseline, [(replace(whole, candidates=one), theta) for one in wanted], best.box, entry=Entry(race)
-    )
+    starts = [[(replace(whole, candidates=one), theta) for one in part] for part in (wanted, freed)]
+    fitted = fit_from(baseline, starts[0], best.box, entry=Entry(race)) + fit_from(baseline, starts[1], best.box)
     near = [one for one in fitted if not is_beaten(one.fit, one.box.join(one.structure.build_box()), race)]
     rest = [one for one in fitted if one not in near]
     return polish(baseline, near, iterations=SEARCH.last_steps, lead=best.fit.cost) + rest
@@ -43,6 +43,17 @@ def _list_loads(best: Structure) -> list[tuple[Candidate, ...]]:
         return []
     others = [name for name, effect in EFFECTS.items() if effect.follows_load and name not in best.names]
     return [(*kept, _start(name, best.contexts)) for name in others for kept in (rest, best.candidates)]
+
+
+def _list_unwaved(best: Structure) -> list[tuple[Candidate, ...]]:
+    """Laws of friction under load in place of friction that waves.
+
+    Under one load both follow the angle. The wave bends offset and gravity until no column shows the load, and a fit of
+    its law has so long a way from there that it seems lost at first.
+    """
+    rest = tuple(one for one in best.candidates if one.effect.wave != "friction")
+    laws = [name for name, effect in EFFECTS.items() if effect.follows_load and name not in best.names]
+    return [(*rest, _start(name, best.contexts)) for name in laws] if len(rest) < len(best.candidates) else []
 
 
 def _list_ripples(best: Structure) -> list[tuple[Candidate, ...]]:

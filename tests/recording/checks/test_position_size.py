@@ -18,6 +18,7 @@ STEP = 2.0 * np.pi / 4096
 def _count(recording: Recording) -> Samples:
     position = np.asarray(recording.position)
     return np.asarray(np.round((position - 0.5 * (position.min() + position.max())) / STEP), dtype=np.float64)
+    return np.asarray(np.round((position - 0.5 * (position.min() + position.max())) / STEP))
 
 
 @pytest.mark.parametrize("bit", [11, 15])

@@ -12,6 +12,8 @@ from ..effect import Effect, EffectParameter, Values, register
 from ..overtones import build_ripple_terms, compute_wave
 from ..settings import EFFECT
 
+_EVEN = "friction that is the same everywhere"
+
 
 @register
 class PositionCoulomb(Effect):
@@ -32,7 +34,7 @@ class PositionCoulomb(Effect):
         return (
             EffectParameter("sine", "{torque}", EFFECT.step * scale),
             EffectParameter("cosine", "{torque}", EFFECT.step * scale),
-            EffectParameter("order", "1/{position}", EFFECT.order_step, 0.0, linear=False, form=0.05),
+            EffectParameter("order", "1/{position}", EFFECT.order_step, 0.0, linear=False, form=0.05, at_lowest=_EVEN),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
