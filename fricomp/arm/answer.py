@@ -25,6 +25,7 @@ from .search.early_torque import EarlyTorques
 from .search.own_delay import measure_own_delay, refine_delays
 from .search.shared_delay import are_others_early
 from .search.stribeck import hold_curve, is_at_end, suit_curve
+from .uncertainty.held_rotor import free_rotors
 from .uncertainty.scatter import widen_covariance
 
 RECURRENCE = 0.9
@@ -201,7 +202,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         heads = {(j, name): evidence[j, fit.model.forms[j].find_head(name)] for j, name in evidence}
         weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, heads[key])}
         if not weak:
-            final = replace(found, fit=widened, equations=equations)
+            final = replace(found, fit=free_rotors(widened, equations, prior), equations=equations)
             # Only now: taken earlier while terms are chosen, the torque of a joint that is late by chance makes others.
             moved, late = refine_delays(rows, equations, widened, prior)
             delays = tuple(measure_own_delay(rows, late, moved, prior, j) for j in range(len(arm.joints)))

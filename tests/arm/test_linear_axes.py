@@ -116,3 +116,16 @@ def test_what_goes_with_an_angle_is_not_tried_on_a_linear_axis(simulation: Path)
         "ram: quadratic_drag",
         "ram: torque_delay",
     } <= tried
+
+
+def test_beside_a_rotor_that_is_held_at_none_nobody_knows_what_a_slide_weighs(tmp_path: Path) -> None:
+    """Of 4 kg and 9 kg in the simulation: it came as 5.3 kg (4.6 to 6.1) beside a rotor of -1e-18 kg."""
+    heavy, right = tmp_path / "heavy.xml", tmp_path / "right.xml"
+    right.write_text(_MJCF)
+    heavy.write_text(_MJCF.replace('mass="4"', 'mass="9"'))
+    record = examine_arm(record_arm(right, duration=20.0, joints=_AXES), heavy).record
+    assert names_of(record) == {name: [] for name in _AXES}
+    low, high = record.links[0].mass.ci95
+    assert low < 4.0 < high
+    assert "mass" not in record.links[0].determined
+    assert not any("states other numbers" in line for line in record.summary)

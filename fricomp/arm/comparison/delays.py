@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from fricomp.root_mean_square import compute_rms
 
+from ..encoder_noise import compute_noise_torque
 from ..friction import GEARS, TERMS
 from ..identification import ArmIdentification
 from ..matter import LEAST_MATTER
@@ -20,6 +21,10 @@ _HELD = 0.5
 _LARGE = 0.02
 """Part of a joint's friction that such a time changes at least before it is told: a hundredth is left of joints in
 which nothing is missing, and what a model has wrong bends times as well."""
+
+_BLURRED = 0.5
+"""Torque that the noise of an encoder looks like, as part of all that is left of its joint, from which nobody knows
+when its links ask: the loop answers that noise, and the joint that answer, so that its links look early."""
 
 
 def list_apart(found: ArmIdentification) -> Mapping[int, float]:
@@ -40,13 +45,14 @@ def list_mistimed(found: ArmIdentification) -> Mapping[int, tuple[float, float]]
     """By how much later than all torques what the links ask of a joint was recorded, with its deviation [s].
 
     Of joints that surely ask for that, and of which neither a delay nor a gear explains it: friction contradicts a
-    delay, as it does where a drive lags whose joint sticks at every reversal.
+    delay, as it does where a drive lags whose joint sticks at every reversal. Not of those whose encoder is too coarse.
     """
     early, half = EarlyTorques(found.rows, found.equations, found.fit), _HELD * found.recording.period
     _, friction = found.fit.predict(found.equations)
+    blurred = compute_noise_torque(found.rows, found.fit) > _BLURRED * found.equations.weights.noise
     result = {}
     for j, form in enumerate(found.fit.model.forms):
-        if any(TERMS[name].filled in ("delay", *GEARS) for name in form.names):
+        if blurred[j] or any(TERMS[name].filled in ("delay", *GEARS) for name in form.names):
             continue
         time, moving = early.measure(j), found.equations.moving[:, j]
         value, deviation = float(time.values[0]), float(time.deviations[0])

@@ -54,10 +54,11 @@ def find_bend(glance: Glance, fit: ArmFit, joint: int) -> Bend | None:
     curves = [hold_curve(fit.model, joint)] if "stribeck" in fit.model.forms[joint].names else []
     curves = [bare, *filter(is_possible, [*curves, *add_term(bare, joint, TERMS["stribeck"])])]
     bent = [(term.name, one) for term in _BENDS for curve in curves for one in add_term(curve, joint, term)]
-    gains = [(glance.measure_gain(one), name, one) for name, one in bent if is_possible(one)]
-    if not gains:
+    weighed = sorted(((glance.measure_gain(one), name, one) for name, one in bent), key=lambda each: -each[0])
+    best = next((each for each in weighed if is_possible(each[2])), None)  # a gain costs less than a fit
+    if best is None:
         return None
-    gain, name, model = max(gains, key=lambda each: each[0])
+    gain, name, model = best
     return Bend(name, model, gain - max(map(glance.measure_gain, curves)))
 
 
