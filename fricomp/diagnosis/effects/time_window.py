@@ -90,17 +90,19 @@ def _is_compact(inside: _Mask, left: FloatArray) -> bool:
 
 
 def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
-    """Tell whether the joint was in the same states outside of the windows as well, where nothing stood out.
+    """Tell whether the joint was in the same states outside of the windows as well, where nothing stood out, or in one
+    where what stands out points the other way: of two like strokes a push bends the base into both.
 
     Most rows of a window may lie at its quiet edges. So where it is loud, position, speed and acceleration must each
     occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
     """
     states = _collect_states(problem, contexts)
-    if float(np.mean(_find_near(states, inside))) <= EFFECT.visited_share:
+    pulls = np.where(inside, np.sign(left), 0.0)
+    if float(np.mean(_find_near(states, pulls))) <= EFFECT.visited_share:
         return False
     energy = left[inside] ** 2
     least = EFFECT.visited_energy * float(energy.sum())
-    return all(float(energy @ _find_near(state[:, None], inside)) > least for state in states.T)
+    return all(float(energy @ _find_near(state[:, None], pulls)) > least for state in states.T)
 
 
 def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
@@ -119,11 +121,15 @@ def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray
     return np.stack(states, axis=1)
 
 
-def _find_near(points: FloatArray, inside: _Mask) -> _Mask:
-    """Which points inside have one nearby outside. Shape (n_inside,)."""
-    distance, _ = cKDTree(points[~inside]).query(points[inside])
-    result: _Mask = distance < EFFECT.near_state
-    return result
+def _find_near(points: FloatArray, pulls: FloatArray) -> _Mask:
+    """Which points inside have one nearby that is outside, where `pulls` is zero, or pulls the other way. Shape
+    (n_inside,)."""
+    near = np.zeros(pulls.size, dtype=bool)
+    for way in (-1.0, 1.0):
+        own, others = points[pulls == way], points[pulls != way]
+        if own.size and others.size:
+            near[pulls == way] = cKDTree(others).query(own)[0] < EFFECT.near_state
+    return near[pulls != 0.0]
 
 
 def _find_intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Window]:
