@@ -16,6 +16,7 @@ _NAMES_OF_PAIRS = ("name", "signal", "variable", "symbolname")
 _UNITS_OF_PAIRS = ("unit", "units", "einheit", "einheiten")
 _SCALE_OF_PAIRS = "scalefactor"
 """What a scope calls the size of one of a column's whole numbers."""
+_UNIT_OF_NAME = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*$")
 _BRACKETS = re.compile(r"[\[(].*[\])]|-|–|")
 _WIDE = re.compile(r"\t+|\s{2,}")
 _WITH_UNIT = re.compile(r"[^\s\[(]+\s*(?:[\[(][^\])]*[\])])?")
@@ -78,22 +79,26 @@ def name_pairs(above: Sequence[str], width: int) -> tuple[str, ...]:
         return ()
     units = next((said[word] for word in said if word.lower() in _UNITS_OF_PAIRS), [])
     scales = next((said[word] for word in said if word.lower() == _SCALE_OF_PAIRS), [])
-    units = [
-        _with_scale(*one) for one in itertools.zip_longest(units[: len(names)], scales[: len(names)], fillvalue="")
-    ]
-    names = [_with_unit(name, unit) for name, unit in itertools.zip_longest(names, units, fillvalue="")]
+    facts = itertools.zip_longest(names, units[: len(names)], scales[: len(names)], fillvalue="")
+    names = list(itertools.starmap(_name_scaled, facts))
     unit = next((match.group(1) for word in said if (match := re.search(r"time.*\[(\w+)\]", word.lower()))), "")
     first = f"time [{unit}]" if unit else "time"
     return tuple(cell for k, name in enumerate(names) for cell in (f"{name}.time" if k else first, name))
 
 
-def _with_scale(unit: str, scale: str) -> str:
-    """The unit of a column with how many of it one of its numbers is, as names have it: `0.001 deg`."""
+def _name_scaled(name: str, unit: str, scale: str) -> str:
+    """A name with its unit, and with how many of it one of the numbers is where a scope scales them: `[0.001 deg]`."""
     try:
         is_one = float(scale.replace(",", ".") or 1.0) == 1.0
     except ValueError:
-        return unit
-    return unit if is_one else f"{scale.replace(',', '.')} {unit}".strip()
+        is_one = True
+    if is_one:
+        return _with_unit(name, unit)
+    scale = scale.replace(",", ".")
+    own = _UNIT_OF_NAME.search(name)
+    if own and not unit:
+        return f"{name[: own.start()]} [{scale} {own.group(1)}]"
+    return _with_unit(name, f"{scale} {unit}".strip())
 
 
 def list_headings(above: Sequence[str], mark: str, width: int, *, numbered: bool) -> Iterator[Heading]:
@@ -122,7 +127,7 @@ def _split_heading(line: str, mark: str, width: int, *, numbered: bool) -> list[
     return next((one for one, count in tried if len(one) == count and (numbered or count == width)), cells)
 
 
-def choose_names(headings: Sequence[Heading], *, labelled: bool) -> ColumnNames:
+def choose_names(headings: Sequence[Heading], *, labelled: bool, scales: Sequence[str] = ()) -> ColumnNames:
     """The names of the columns: the line with the most words for a quantity, of several the one nearest to the rows.
 
     Lines of units, of remarks and of numbers of channels stand above and below it. A comment has the names only where
@@ -131,6 +136,7 @@ def choose_names(headings: Sequence[Heading], *, labelled: bool) -> ColumnNames:
     Args:
         headings: Lines above the rows, the nearest first.
         labelled: Whether a word such as `Name` in the first place is that of the line, since numbers stand below it.
+        scales: Cells of a line that says how many of its unit one number of each column is; empty where none does.
     """
     units = _find_units(headings)
     others = [one for one in headings if units is None or one.number != units.number] or headings[:1]
@@ -140,10 +146,15 @@ def choose_names(headings: Sequence[Heading], *, labelled: bool) -> ColumnNames:
     cells = _join_levels(line, [one for one in others if one is not line and not one.is_comment])
     if labelled and cells[0].lower() in _NAMES_OF_PAIRS:
         cells, said = ["time", *cells[1:]], ["", *said[1:]]
-    pairs = itertools.zip_longest(cells, said[: len(cells)], fillvalue="")
-    names = tuple(_with_unit(name, unit) for name, unit in pairs)
+    facts = itertools.zip_longest(cells, said[: len(cells)], ["", *scales[1:]][: len(cells)], fillvalue="")
+    names = tuple(itertools.starmap(_name_scaled, facts))
     is_changed = list(names) != list(line.cells)
     return ColumnNames(names, line.number, line.is_comment, is_changed)
+
+
+def says_scales(cells: Sequence[str]) -> bool:
+    """Whether a line says of each column how many of its unit one of its numbers is: `ScaleFactor;0.001;1`."""
+    return bool(cells) and cells[0].lower().replace(" ", "") == _SCALE_OF_PAIRS
 
 
 def _find_units(headings: Sequence[Heading]) -> Heading | None:

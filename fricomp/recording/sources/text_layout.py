@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from .cell import DECIMAL_COMMA, DECIMAL_POINT, DOTTED, THOUSANDS, is_entry, is_number, read_measured
-from .text_heading import Heading, choose_names, list_headings, name_pairs, read_pairs
+from .text_heading import Heading, choose_names, list_headings, name_pairs, read_pairs, says_scales
 from .text_line import FEWEST_CELLS, fits, is_comment, split_cells
 
 FIRST_LINES = 200
@@ -126,11 +126,12 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     headings: list[Heading] = []
     first, cells = row, split_cells(lines[row], mark)
     numbered = _count_rows(lines[row:], mark)
+    scales: list[str] = []
     for line in list_headings(lines[:row], mark, width, numbered=numbered):
         if _are_addresses(line.cells, cells) or not any(map(is_entry, line.cells)):
             headings.append(line)
-        elif _is_fact(line.cells, [cells[0] or "0", *cells[1:]]):
-            continue  # numbers with nothing in front of them are rows too
+        elif _is_fact(line.cells, [cells[0] or "0", *cells[1:]]):  # numbers with nothing in front are rows too
+            scales = line.cells if says_scales(line.cells) else scales
         elif headings:
             break
         else:
@@ -138,7 +139,8 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
     bare = TextLayout(mark, decimal, (), first, first)
     if not headings:
         return bare
-    layout = replace(bare, **choose_names(headings[:_MOST_HEADINGS], labelled=is_entry(cells[0]))._asdict())
+    chosen = choose_names(headings[:_MOST_HEADINGS], labelled=is_entry(cells[0]), scales=scales)
+    layout = replace(bare, **chosen._asdict())
     if len(layout.names) == width - 1 and cells[-1] and _count_rows(lines[first:], mark):
         return replace(layout, names=("", *layout.names), is_joined=True)
     return layout

@@ -341,3 +341,21 @@ def test_numbers_that_may_have_been_scaled_already_are_asked_about(tmp_path: Pat
     rows = [f"{1e3 * t:.0f}\t{q:.4f}\t{1e3 * t:.0f}\t{u:.4f}" for t, q, u in zip(TIME, DEGREES, TORQUE, strict=True)]
     with pytest.raises(RecordingError, match=r"0\.001 deg"):
         read_named_log(write(tmp_path / "scope.csv", [*head, "", *rows]))
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        ["Name;ActPos;ActTorque", "SampleTime [ms];4;4", "ScaleFactor;0.001;0.002", "Unit;deg;Nm"],
+        ["ScaleFactor;0,001;0,002", "Unit;deg;Nm", "time [ms];Axis.ActPos;Axis.ActTorque"],
+        ["time [ms];ActPos [deg];ActTorque [Nm]", "Scale Factor;0.001;0.002"],
+    ],
+)
+def test_a_line_of_scales_beside_the_names_counts_as_well(head: list[str], tmp_path: Path) -> None:
+    counts = np.round(np.column_stack([DEGREES / 0.001, TORQUE / 0.002]))
+    rows = [f"{1e3 * t:.0f};{q:.0f};{u:.0f}" for t, (q, u) in zip(TIME, counts, strict=True)]
+    log = write(tmp_path / "scope.csv", [*head, *rows])
+    (found,) = read_named_log(log).recordings
+    assert np.allclose(found.position, POSITION, atol=1e-5)
+    assert np.allclose(found.torque, TORQUE, atol=2e-3)
+    assert np.allclose(convert_by_proposal(log, tmp_path).position, POSITION, atol=1e-5)
