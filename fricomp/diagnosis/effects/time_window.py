@@ -129,7 +129,8 @@ def _find_near(points: FloatArray, pulls: FloatArray) -> _Mask:
         own, others = points[pulls == way], points[pulls != way]
         if own.size and others.size:
             near[pulls == way] = cKDTree(others).query(own)[0] < EFFECT.near_state
-    return near[pulls != 0.0]
+    result: _Mask = near[pulls != 0.0]
+    return result
 
 
 def _find_intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Window]:
