@@ -236,6 +236,10 @@ class Effect(ABC):
         """Say why these values are not physical, or too small to be named; None where they are neither."""
         return None
 
+    def doubt(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        """Say why these values give no name, though a search may come to others from them; None where they may."""
+        return None
+
     def is_faint(self, values: Values, contexts: Sequence[Context]) -> bool:
         """Tell whether these values are physical and only too small to be named, so that something else may look like
         them."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing, binary_dilation, label, uniform_filter1d
+from scipy.ndimage import binary_closing, binary_dilation, label, sum_labels, uniform_filter1d
 from scipy.spatial import cKDTree
 
 from ..inputs.track import FloatArray
@@ -91,13 +91,14 @@ def _is_compact(inside: _Mask, left: FloatArray) -> bool:
 
 def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
     """Tell whether the joint was in the same states outside of the windows as well, where nothing stood out, or in one
-    where what stands out points the other way: of two like strokes a push bends the base into both.
+    that points the other way as a whole: of two like strokes a push bends the base into both.
 
     Most rows of a window may lie at its quiet edges. So where it is loud, position, speed and acceleration must each
     occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
     """
     states = _collect_states(problem, contexts)
-    pulls = np.where(inside, np.sign(left), 0.0)
+    stretch, count = label(inside)
+    pulls = np.append(0.0, np.sign(sum_labels(left, stretch, np.arange(1, count + 1))))[stretch]
     if float(np.mean(_find_near(states, pulls))) <= EFFECT.visited_share:
         return False
     energy = left[inside] ** 2

@@ -27,7 +27,7 @@ def list_objections(refitted: RefittedJoint, shown: Collection[str] = ()) -> dic
     found = {}
     for name in refitted.structure.names:
         absence = () if name in shown else (_find_absence,)
-        findings = (_find_end, _find_lowest, _find_open, *absence, _find_trade)
+        findings = (_find_end, _find_doubt, _find_lowest, _find_open, *absence, _find_trade)
         reason = next((said for find in findings if (said := find(refitted, name))), "")
         if reason:
             found[name] = reason
@@ -56,6 +56,13 @@ def _find_end(refitted: RefittedJoint, name: str) -> str:
         if owner == name and parameter.scale > 0.0 and parameter.is_at_end(float(refitted.fit.theta[index])):
             return f"its {parameter.name.replace('_', ' ')} stands at the end of what is looked for"
     return ""
+
+
+def _find_doubt(refitted: RefittedJoint, name: str) -> str:
+    """Say why no joint is named by its numbers; empty where one is."""
+    structure = refitted.structure
+    values = structure.name_values(refitted.fit.theta[N_BASE:])[name]
+    return EFFECTS[name].doubt(values, structure.contexts) or ""
 
 
 def _find_lowest(refitted: RefittedJoint, name: str) -> str:

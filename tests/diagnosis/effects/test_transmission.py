@@ -230,7 +230,7 @@ def test_a_spring_of_a_motor_without_inertia_or_that_never_swings_is_none(contex
     """A soft bristle that is damped as strongly came with a spring of both beside its own name."""
     effect = EFFECTS["joint_elasticity"]
     usual = {"stiffness": 6.0, "load_share": 0.6, "damping_ratio": -2.0, "hardening": 0.0}
-    assert effect.refuse(usual, (context,)) is None
-    assert effect.refuse(usual | {"load_share": EFFECT.load_shares[0]}, (context,)) is None
-    assert effect.refuse(usual | {"load_share": EFFECT.load_shares[1]}, (context,)) == "the motor would have no inertia"
-    assert effect.refuse(usual | {"damping_ratio": 0.0}, (context,)) == "the spring would never swing"
+    assert effect.doubt(usual, (context,)) is None
+    assert effect.doubt(usual | {"load_share": EFFECT.load_shares[0]}, (context,)) is None
+    assert effect.doubt(usual | {"load_share": EFFECT.load_shares[1]}, (context,)) == "the motor would have no inertia"
+    assert effect.doubt(usual | {"damping_ratio": 0.0}, (context,)) == "the spring would never swing"

@@ -80,7 +80,7 @@ class JointElasticity(Effect):
     def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
         return ForwardPart(coupling=_build_transmission(context, values).build_coupling(context))
 
-    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+    def doubt(self, values: Values, contexts: Sequence[Context]) -> str | None:
         highest = {one.name for one in self.list_parameters(contexts) if one.touches_end(values[one.name], low=False)}
         if "load_share" in highest:
             return "the motor would have no inertia"
