@@ -40,7 +40,7 @@ class FileErrors(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def gets_worse(self) -> bool:
         """Whether the torque error does not fall with what was named."""
-        return self.after is not None and self.compare() >= 1.0
+        return self.after is not None and self.after.torque.rms >= self.before.torque.rms
 
     def compare(self) -> float:
         """Held-out torque error with what was named, over that without; 1 where no law holds it."""

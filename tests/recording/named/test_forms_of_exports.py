@@ -318,6 +318,14 @@ def test_currents_of_phases_are_told_as_such(tmp_path: Path) -> None:
         read_content(write(tmp_path / "log.csv", ["t,pos_rad,i_a,i_b,i_c", *rows]))
 
 
+def check_scaled(log: Path, tmp_path: Path) -> None:
+    """That whole numbers are read by the scales beside them, and the proposed mapping reads them so too."""
+    (found,) = read_named_log(log).recordings
+    assert np.allclose(found.position, POSITION, atol=1e-5)
+    assert np.allclose(found.torque, TORQUE, atol=2e-3)
+    assert np.allclose(convert_by_proposal(log, tmp_path).position, POSITION, atol=1e-5)
+
+
 def test_a_scope_that_scales_whole_numbers_has_their_size_in_its_head(tmp_path: Path) -> None:
     size = (0.001, 0.002)
     head = [
@@ -330,10 +338,7 @@ def test_a_scope_that_scales_whole_numbers_has_their_size_in_its_head(tmp_path: 
     counts = np.round(np.column_stack([DEGREES / size[0], TORQUE / size[1]]))
     rows = [f"{1e3 * t:.0f}\t{q:.0f}\t{1e3 * t:.0f}\t{u:.0f}" for t, (q, u) in zip(TIME, counts, strict=True)]
     log = write(tmp_path / "scope.csv", [*head, *rows])
-    (found,) = read_named_log(log).recordings
-    assert np.allclose(found.position, POSITION, atol=1e-5)
-    assert np.allclose(found.torque, TORQUE, atol=2e-3)
-    assert np.allclose(convert_by_proposal(log, tmp_path).position, POSITION, atol=1e-5)
+    check_scaled(log, tmp_path)
 
 
 def test_numbers_that_may_have_been_scaled_already_are_asked_about(tmp_path: Path) -> None:
@@ -355,7 +360,4 @@ def test_a_line_of_scales_beside_the_names_counts_as_well(head: list[str], tmp_p
     counts = np.round(np.column_stack([DEGREES / 0.001, TORQUE / 0.002]))
     rows = [f"{1e3 * t:.0f};{q:.0f};{u:.0f}" for t, (q, u) in zip(TIME, counts, strict=True)]
     log = write(tmp_path / "scope.csv", [*head, *rows])
-    (found,) = read_named_log(log).recordings
-    assert np.allclose(found.position, POSITION, atol=1e-5)
-    assert np.allclose(found.torque, TORQUE, atol=2e-3)
-    assert np.allclose(convert_by_proposal(log, tmp_path).position, POSITION, atol=1e-5)
+    check_scaled(log, tmp_path)
