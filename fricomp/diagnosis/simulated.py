@@ -10,7 +10,8 @@ import numpy as np
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
-from .diagnose import Progress, diagnose, diagnose_given
+from .course import Progress
+from .diagnose import diagnose, diagnose_given
 from .inputs.checks import reasons_against
 from .inputs.controller import Controller
 from .inputs.given import read_given

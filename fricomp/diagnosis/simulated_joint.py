@@ -12,7 +12,8 @@ from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .diagnose import Progress, diagnose
+from .course import Progress
+from .diagnose import diagnose
 from .evidence.comparison import NAMED, PLAIN, UNEXPLAINED, Tolerances
 from .evidence.settings import PARAMETERS
 from .inputs.checks import reasons_against

@@ -120,7 +120,7 @@ def join_channels(verdict: Verdict, shown: Sequence[NamedEffect]) -> Verdict:
         verdict,
         word=choose_verdict(kinds, unknown=verdict.word == "unknown_physics"),
         effects=(*verdict.effects, *new),
-        read_off=tuple(one.name for one in new),
+        read_off=(*verdict.read_off, *(one.name for one in new)),
     )
 
 

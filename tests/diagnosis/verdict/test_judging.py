@@ -129,6 +129,12 @@ def test_what_two_channels_show_is_named_beside_the_rows_and_once() -> None:
     assert again == both
 
 
+def test_names_that_were_read_off_in_turn_are_all_known_as_such() -> None:
+    """A delay of the rows had lost its certainty where a channel showed something besides."""
+    late = join_channels(judge(known_findings(known_baseline())), (_read_off("torque_delay", "measurement"),))
+    assert join_channels(late, (_read_off("end_stop", "physics"),)).read_off == ("torque_delay", "end_stop")
+
+
 def test_something_unknown_stays_so_beside_a_late_drive() -> None:
     unknown = judge(known_findings(known_baseline(), unknown=True))
     assert join_channels(unknown, (_read_off("drive_lag", "measurement"),)).word == "unknown_physics"
