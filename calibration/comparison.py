@@ -11,6 +11,7 @@ from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray, Scalar
 from fricomp.model import FrictionModel
 
+from .common_form import bring_to_form, find_common_form
 from .normal_load import at_normal_load, own_load
 
 _KNOWN = 1e9
@@ -58,6 +59,7 @@ class ModelComparison:
         normal_load: At which parameters and curves of both models hold, in the unit of their loads; None where neither
             model knows its load.
         load_known: Whether the old and the new model know their load; one that does not is taken as loaded alike.
+        common_form: As what both curves were compared, in words; empty where both laws are of one form.
     """
 
     changes: tuple[ParameterChange, ...]
@@ -69,6 +71,7 @@ class ModelComparison:
     at_velocity: float
     normal_load: float | None = None
     load_known: tuple[bool, bool] = (False, False)
+    common_form: str = ""
 
     @property
     def changed(self) -> bool:
@@ -86,7 +89,8 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
 
     Dry friction grows with the normal load, so models that know theirs are brought to one load first: that of the old
     model, or the new one's where the old one does not know its own. Where the zero of the torque was taken off one of
-    them alone, as a sweep can and a log cannot, what an offset may be is no change.
+    them alone, as a sweep can and a log cannot, what an offset may be is no change. Curves of laws that differ in form
+    are compared by the parameters of the form that both can hold.
 
     Args:
         old: The model from before.
@@ -104,13 +108,16 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
     if not 0.0 < significance < 1.0:
         raise ParameterError(f"significance must lie between 0 and 1, got {significance}")
     old, new, load, known = _evaluate_at_one_load(old, new)
+    velocity, change = _find_largest_torque_change(old, new)
+    form = find_common_form((old, new))
+    if form is not None:
+        old, new = bring_to_form((old, new), form)
     difference = _compute_difference(old, new)
     before, after, units = old.law.parameters(), new.law.parameters(), new.units()
     changes = [
         ParameterChange(name, units[name], before[name], after[name], float(sd), float(p))
         for name, sd, p in zip(difference.names, difference.deviation, difference.each(), strict=True)
     ]
-    velocity, change = _find_largest_torque_change(old, new)
     terms_before, terms_after = ({term.name for term in model.law.terms} for model in (old, new))
     return ModelComparison(
         changes=tuple(sorted(changes, key=lambda c: (c.p_value, -abs(c.difference) / c.standard_deviation))),
@@ -122,6 +129,7 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
         at_velocity=velocity,
         normal_load=load,
         load_known=known,
+        common_form="" if form is None else str(form),
     )
 
 

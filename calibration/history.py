@@ -1,6 +1,6 @@
 """How the friction of joints goes over weeks: models of one joint in order of time, trends, and when it has changed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -13,8 +13,9 @@ from fricomp.errors import FricompError
 from fricomp.laws import FloatArray
 from fricomp.report import Chart, Panel, Points
 
+from .common_form import bring_to_form, find_common_form
 from .comparison import compare_models, correct_for_number
-from .kept_model import Estimate, KeptModel, read_kept
+from .kept_model import Estimate, KeptModel, list_parameters, read_kept
 
 _DAY = 86_400.0
 _FEWEST = 3
@@ -131,12 +132,24 @@ def _is_copy(one: KeptModel, other: KeptModel) -> bool:
 def _follow(joint: str, diagnosed: bool, models: list[KeptModel]) -> JointHistory:
     ordered = tuple(sorted(models, key=lambda one: one.when))
     days = np.array([(one.when - ordered[0].when).total_seconds() / _DAY for one in ordered])
-    shared = [name for name in ordered[0].estimates if all(name in one.estimates for one in ordered)]
-    trends = [_fit_trend(name, days, [one.estimates[name] for one in ordered]) for name in shared]
+    estimates = _list_estimates(ordered)
+    shared = [name for name in estimates[0] if all(name in one for one in estimates)]
+    trends = [_fit_trend(name, days, [one[name] for one in estimates]) for name in shared]
     compared = [_compare(old, new) for old, new in pairwise(ordered)]
     comparisons = tuple(None if isinstance(one, str) else one for one in compared)
     refusals = tuple(one if isinstance(one, str) else "" for one in compared)
     return JointHistory(joint, diagnosed, ordered, tuple(trends), comparisons, refusals)
+
+
+def _list_estimates(models: Sequence[KeptModel]) -> list[Mapping[str, Estimate]]:
+    """What each model says of the joint, by the form that all laws have in common where these differ in form."""
+    own = [one.estimates for one in models]
+    form = find_common_form([one.model for one in models])
+    try:
+        brought = [] if form is None else bring_to_form([one.model for one in models], form)
+    except FricompError:  # over no common speed: what all have by name is left
+        return own
+    return [list_parameters(model) for model in brought] or own
 
 
 def _fit_trend(name: str, days: FloatArray, known: Sequence[Estimate]) -> Trend:

@@ -64,7 +64,7 @@ def read_kept(path: Path) -> KeptModel:
     model = load_model(path)
     when, record = _read_date(model), path.with_name("diagnosis.json")
     if model.covariance is not None or not record.is_file():
-        return KeptModel(path, model, when, _list_parameters(model), None)
+        return KeptModel(path, model, when, list_parameters(model), None)
     try:
         told = parse_json(record.read_bytes(), _Record)
     except (msgspec.MsgspecError, OSError) as error:
@@ -98,7 +98,7 @@ class _Record(msgspec.Struct):
     effects: list[_Effect]
 
 
-def _list_parameters(model: FrictionModel) -> dict[str, Estimate]:
+def list_parameters(model: FrictionModel) -> dict[str, Estimate]:
     """The parameters of the law that have a deviation."""
     if model.covariance is None:
         return {}

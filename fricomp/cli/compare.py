@@ -67,6 +67,8 @@ def _print_comparison(result: ModelComparison, after: FrictionModel, significanc
         unknown = [name for name, known in zip(("old", "new"), result.load_known, strict=True) if not known]
         alike = f"; the {unknown[0]} model does not know its load, taken as the same" if unknown else ""
         out.print(f"Both at a normal load of {result.normal_load:g}{alike}.")
+    if result.common_form:
+        out.print(f"The laws differ in form: both curves are compared as {result.common_form}, where both hold.")
     for title, terms in (("New terms", result.added), ("Terms gone", result.removed)):
         if terms:
             out.print(f"{title}: {', '.join(terms)}.")

@@ -111,6 +111,7 @@ def identify(
     """Identify friction; with a recording, inertia, gravity and offset first; with an arm, all joints together."""
     from fricomp.api.identification import write_identification
     from fricomp.api.identify import IdentifySettings, identify_source
+    from fricomp.recording.sources.table import refuse_data_set
     from fricomp.result_kinds import IDENTIFICATION
     from fricomp.results import claim_folder, require_folder
 
@@ -131,6 +132,7 @@ def identify(
     several = batch or _is_fleet(files)
     chosen = {"--channel": bool(channel), "--mapping": bool(mapping), **cut.given, "--joint": joint is not None}
     if several:
+        refuse_data_set(Path(files[0]))  # whose files are logs, with which such options go
         _refuse(chosen, "is of one file")
         _refuse({"--overwrite": overwrite}, "is of one file, and a fleet goes on with --resume")
     if batch:

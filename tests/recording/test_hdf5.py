@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -122,3 +123,58 @@ def test_a_file_that_leads_its_reader_in_circles_is_one_clear_error(
     monkeypatch.setattr(own_process, "_CHILD", "{module!r}; import threading; threading.Event().wait(60)")
     with pytest.raises(RecordingError, match="its reader came to no end"):
         own_process.read_in_process("", path, "HDF5")
+
+
+def _words(*words: str) -> bytes:
+    """A list of words as pandas pickles it into an attribute."""
+    return pickle.dumps(list(words), 0)
+
+
+def _write_fixed(group: Any, index: np.ndarray, name: str = "N.", kind: str = "float") -> None:
+    """As `DataFrame.to_hdf(path, key="log")`."""
+    group.attrs.update({"pandas_type": np.bytes_("frame"), "nblocks": 2, "ndim": 2})
+    group["axis0"] = np.array([b"q", b"tau", b"n"])
+    group["axis1"] = index
+    group["axis1"].attrs.update({"name": np.bytes_(name), "kind": np.bytes_(kind), "transposed": np.uint8(1)})
+    group["block0_items"], group["block1_items"] = np.array([b"q", b"tau"]), np.array([b"n"])
+    group["block0_values"] = np.stack([LOG.position, LOG.torque], axis=1)
+    group["block1_values"] = np.arange(len(LOG))[:, None]
+
+
+def _write_table(group: Any, index: np.ndarray, name: str) -> None:
+    """As `DataFrame.to_hdf(path, key="log", format="table")`, with the index of a query beside it."""
+    group.attrs.update({"pandas_type": np.bytes_("frame_table"), "info": _words("index_name", name), "levels": 1})
+    table = np.empty(len(LOG), dtype=[("index", "f8"), ("values_block_0", "f8", 2), ("n", "i8")])
+    table["index"], table["n"] = index, np.arange(len(LOG))
+    table["values_block_0"] = np.stack([LOG.position, LOG.torque], axis=1)
+    group["table"] = table
+    group["table"].attrs.update({"values_block_0_kind": _words("q", "tau"), "index_kind": np.bytes_("float")})
+    group["_i_table/q/indicesLR"] = np.arange(4 * len(LOG), dtype="u4")
+
+
+@pytest.mark.parametrize("form", ["fixed", "dates", "unnamed", "table"])
+def test_data_frames_have_the_names_of_their_columns_and_their_index(form: str, tmp_path: Path) -> None:
+    path, time = tmp_path / "log.h5", np.asarray(LOG.time)
+    with h5py.File(path, "w") as file:
+        group = file.create_group("log")
+        if form == "table":
+            _write_table(group, time, "t")
+        elif form == "dates":
+            _write_fixed(group, (1.71e18 + 1e9 * time).astype("i8"), kind="datetime64[ns]")
+        else:
+            _write_fixed(group, time, "seconds" if form == "fixed" else "N.")
+    recording = _only(path)
+    assert recording.time - recording.time[0] == pytest.approx(time - time[0], abs=1e-6)
+    assert recording.position == pytest.approx(LOG.position)
+    assert recording.torque == pytest.approx(LOG.torque)
+
+
+def test_words_of_a_frame_are_read_and_not_run(tmp_path: Path) -> None:
+    path, mark = tmp_path / "log.h5", tmp_path / "ran"
+    with h5py.File(path, "w") as file:
+        _write_table(file.create_group("log"), np.asarray(LOG.time), "t")
+        harm = f"cbuiltins\nopen\n(V{mark}\nVw\ntR.".encode()
+        file["log/table"].attrs["values_block_0_kind"] = np.bytes_(harm)
+    with pytest.raises(RecordingError):
+        _only(path)
+    assert not mark.exists()

@@ -155,15 +155,16 @@ def _prefer_named(guess: Guess, meanings: Mapping[str, ColumnMeaning | None]) ->
     """
     called = {
         channel: [name for name, one in meanings.items() if one is not None and one.channel == channel]
-        for channel in ("position", "velocity", *TORQUES)
+        for channel in ("position", "motor_position", "velocity", *TORQUES)
     }
+    position = called["position"] or called["motor_position"]
     torque = next((called[one] for one in TORQUES if called[one]), [])
     if len(torque) == 1 and len(guess.joints) == 1 and not guess.joints[0].torque:
         return guess._replace(joints=(guess.joints[0]._replace(torque=torque[0]),))
-    if len(called["position"]) != 1 or len(torque) > 1 or (guess.joints and not torque):
+    if len(position) != 1 or len(torque) > 1 or (guess.joints and not torque):
         return guess
     velocity = called["velocity"][0] if len(called["velocity"]) == 1 else ""
-    return guess._replace(joints=(GuessedJoint(called["position"][0], velocity, next(iter(torque), ""), 1.0),))
+    return guess._replace(joints=(GuessedJoint(position[0], velocity, next(iter(torque), ""), 1.0),))
 
 
 def _list_others(columns: Mapping[str, Samples]) -> list[str]:

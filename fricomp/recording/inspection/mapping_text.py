@@ -15,6 +15,8 @@ from fricomp.recording.sources import is_text
 from fricomp.recording.sources.text_layout import TextLayout
 from fricomp.recording.unit import find_unit
 
+from .motor_side import name_joint_scale
+
 _ENCODER = "# encoder_resolution = 2.4e-5   # [rad]; where you know it, the checks see by it what is in degrees"
 
 _SCALE = 'in place of it, with torque_unit = "N·m": N·m at the joint of one {unit}, torque constant times gear ratio'
@@ -53,12 +55,19 @@ def render_mapping(path: Path, log: NamedLog, findings: Mapping[str, Sequence[Fi
         ]
         if metadata.torque_unit == "A" and "torque" in columns:
             column, meaning = columns["torque"]
-            constant = read_head_facts(path).get("KT")
-            worth = 0.1 if constant is None else constant.value * meaning.scale * find_unit(meaning.unit or "A").factor
-            rule = f"torque = {{ column = {render_column(column, layout)}, scale = {worth:.6g} }}"
-            by = "" if constant is None else f"; without a gear, by {constant.said!r}"
-            lines.append(f"# {table}{rule}   # {_SCALE.format(unit=_say_step(meaning))}{by}")
+            lines.append(_render_torque(path, table, render_column(column, layout), meaning))
     return "\n".join(lines) + "\n"
+
+
+def _render_torque(path: Path, table: str, column: str, meaning: ColumnMeaning) -> str:
+    """The rule that makes a torque in N·m of a current, as a remark: by constant and gear that the log states."""
+    facts = read_head_facts(path)
+    constant, worth, by = facts.get("KT"), "0.1", ""
+    if constant is not None:
+        one = constant.value * meaning.scale * find_unit(meaning.unit or "A").factor
+        by, worth = name_joint_scale(one, constant, facts.get("RATIO"))
+    rule = f"torque = {{ column = {column}, scale = {worth} }}"
+    return f"# {table}{rule}   # {_SCALE.format(unit=_say_step(meaning))}{by and f'; {by}'}"
 
 
 def _say_error(finding: Finding | None) -> str:

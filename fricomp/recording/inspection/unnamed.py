@@ -10,7 +10,6 @@ import numpy as np
 
 from fricomp.recording.checks.likely_torque import find_likely_torque
 from fricomp.recording.checks.position_size import find_sign_bit
-from fricomp.recording.named.column import RAW_UNIT, find_bare_unit, read_column_name, read_column_unit
 from fricomp.recording.named.device_unit import find_rating_parts, is_duty, is_of_axis
 from fricomp.recording.named.head_fact import fill_head_facts
 from fricomp.recording.named.source import read_layout
@@ -19,11 +18,11 @@ from fricomp.recording.named.times.row_rate import estimate_row_rate
 from fricomp.recording.named.times.stamp_unit import TIME_UNITS, are_known_ticks
 from fricomp.recording.sources import is_text
 from fricomp.recording.unit import find_unit
-from fricomp.recording.unit_word import UNKNOWN_UNIT
 from fricomp.recording.validity import Samples
 
 from .mapping_text import describe_source, render_column
 from .motor_side import bring_rule_to_joint, is_motors, remark_on_torque
+from .stated_unit import find_si, read_stated_unit, read_step
 from .worth import fill_worth, measure_worth
 
 _EVENLY = 0.95
@@ -239,7 +238,11 @@ def render_guess(
     def rule(channel: str, name: str, velocity: str = "") -> str:
         if numbered:
             return f"{channel} = {{ column = {name} }}"
-        unit, is_asked = _read_stated_unit(name)
+        unit, is_asked = read_stated_unit(name)
+        step = read_step(name, columns[name])
+        if step is not None:
+            unit = f', unit = "{step.unit}"' if step.unit else ""
+            return f"{channel} = {{ column = {render_column(name, layout)}{unit}, scale = {step.scale!r} }}"
         share = find_rating_parts(name, columns) if channel == "torque" else 0
         asked = is_asked or is_of_axis(name) or (name in counted and not unit)
         scale = f"{'SUPPLY' if is_duty(name) else 'RATED'}/{share}" if share else "VALUE_OF_ONE" if asked else ""
@@ -273,7 +276,7 @@ def render_guess(
         position = rule("position", joint.position, joint.velocity)
         scale = joint.scale * _compare_units(joint)
         position = bring_rule_to_joint(path, position) if is_motors(joint.position) else position
-        off = abs(scale - 1.0) > 0.2 and "#" not in position
+        off = abs(scale - 1.0) > 0.2 and "#" not in position and "A_TURN" not in position
         remark = f"  # moves {scale:.4g} times as far as the velocity says: another unit?" if off else ""
         lines += [before + position + remark]
         velocity = rule("velocity", joint.velocity) if joint.velocity else ""
@@ -281,14 +284,14 @@ def render_guess(
         asked = "VALUE_OF_ONE" in velocity  # which no answer needs
         lines += [f"# {before}{velocity}  # where you know it"] if asked else [before + velocity] if velocity else []
         torque = rule("torque", joint.torque) if joint.torque else _UNSEEN[1]
-        lines += [before + (remark_on_torque(path, torque) if is_motors(joint.position) else torque)]
+        lines += [before + (remark_on_torque(path, torque, joint.torque) if is_motors(joint.position) else torque)]
     lines += [] if guess.joints else list(_UNSEEN)
     return "\n".join(lines) + "\n"
 
 
 def _compare_units(joint: GuessedJoint) -> float:
     """What one of the position is over what one of its rate is, where both state their units; else 1."""
-    both = [_read_stated_unit(name)[0] for name in (joint.position, joint.velocity)]
+    both = [read_stated_unit(name)[0] for name in (joint.position, joint.velocity)]
     return find_unit(both[0]).factor / find_unit(both[1]).factor if all(both) else 1.0
 
 
@@ -319,27 +322,10 @@ def _measure_worth(columns: Mapping[str, Samples], guess: Guess, position: str, 
 
 def _describe_facts(guess: Guess) -> list[str]:
     """Unit of the torque and kind of the motion, by the units that the names state; else those of a rotary joint."""
-    stated = {_find_si(name) for joint in guess.joints for name in (joint.position, joint.torque)}
+    stated = {find_si(name) for joint in guess.joints for name in (joint.position, joint.torque)}
     unit = next((one for one in ("A", "V", "N") if one in stated), "N·m")
     motion = "linear" if stated & {"m", "N"} else "rotary"
     return [
         f'torque_unit = "{unit}"  # "A" of a current, "N" of a force, "V" of a voltage, "N·m" of a torque',
         f'motion = "{motion}"  # "linear" of a slide, "rotary" of a joint that turns',
     ]
-
-
-def _find_si(name: str) -> str:
-    """The unit of SI of what a name says; empty where it says none."""
-    meaning = read_column_name(name) or read_column_unit(name)
-    if meaning is None or meaning.unit in (RAW_UNIT, UNKNOWN_UNIT, ""):
-        return "A" if meaning is not None and meaning.channel == "current" else find_bare_unit(name)
-    return find_unit(meaning.unit).si
-
-
-def _read_stated_unit(name: str) -> tuple[str, bool]:
-    """The unit that a name states, and whether it has to be asked for since it is a device's, or not known."""
-    meaning = read_column_name(name) or read_column_unit(name)
-    if meaning is None:
-        return "", False
-    asked = meaning.unit in (RAW_UNIT, UNKNOWN_UNIT)
-    return "" if asked else meaning.unit, asked

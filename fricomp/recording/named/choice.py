@@ -24,6 +24,7 @@ from .column import (
     simplify_joint,
     without_observation,
 )
+from .control_path import take_controls
 from .device_unit import is_duty, with_unit_step
 from .position_by_rate import find_position_by_rate, is_rate_of
 from .shared_rest import read_currents, read_shared_rests
@@ -59,7 +60,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
     Raises:
         RecordingError: A column that was asked for is missing, or two could be the same.
     """
-    candidates = _drop_shared_words(_find_candidates(path, columns, channels))
+    candidates = take_controls(_drop_shared_words(_find_candidates(path, columns, channels)))
     wanted = _with_temperature(candidates, _choose_joints(candidates))
     chosen = {
         joint: _without_duty({channel: _choose_one(path, channel, found) for channel, found in own.items()})

@@ -73,7 +73,7 @@ _TIMES = ("time", "times", "stamp", "timestamp", "tout")
 _CLOCKS = ("time", "timestamp", "zeit")
 """First words of the time of another column, where both stand in two lines: `Time/Angle [s]` beside `Value/Angle`."""
 
-_REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
+REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
 
 _ROTARY = ("rad", "rad/s", "N·m")
 """Units that hardly anything but a joint has, so that the rest of a name may be the joint's own."""
@@ -153,7 +153,7 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     rate = next((words[k][0] for k, role in roles.items() if role == "rate"), "")
     if rate:
         quantity = _RATES[rate][("position", "velocity").index(quantity)]
-    if not quantity or "outside" in roles.values() or ("wanted" in roles.values() and quantity not in _REFERENCES):
+    if not quantity or "outside" in roles.values() or ("wanted" in roles.values() and quantity not in REFERENCES):
         return None
     measured = [_MEASURED[words[k][0]] for k, role in roles.items() if role == "measured"]
     counted = said and re.split(r"[^a-z]", said[0].text.lower())[0] in _RAW
@@ -185,7 +185,7 @@ def read_column_unit(name: str) -> ColumnMeaning | None:
     is_letter = len(own) == 1 and len(own[0][0]) == 1 and (is_alone or own[0][0] in _SYMBOLS.get(kind, ""))
     if not is_rotary and not is_letter:
         return None
-    if "outside" in roles.values() or ("wanted" in roles.values() and kind not in _REFERENCES):
+    if "outside" in roles.values() or ("wanted" in roles.values() and kind not in REFERENCES):
         return None
     dropped = [said[0].span, *(words[k][1] for k in roles), *(one[1] for one in own if is_letter)]
     channel = _find_channel(kind, set(roles.values()))
@@ -294,7 +294,7 @@ def _stands_in_path(name: str, span: tuple[int, int]) -> bool:
 
 def _find_channel(quantity: str, roles: set[str]) -> str:
     if "wanted" in roles:
-        return _REFERENCES[quantity]
+        return REFERENCES[quantity]
     return "motor_position" if "motor" in roles else "load_torque" if "sensor" in roles else quantity
 
 

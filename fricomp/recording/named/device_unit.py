@@ -1,6 +1,7 @@
 """Columns in units that no log states, which are asked for: of a device, of a controller's axis, parts of a rating."""
 
 import re
+import shlex
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -164,8 +165,8 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
             f"{path}: {column!r} is in {share} of the rated {what} of the motor: write "
             f"{'torque' if of_current else channel} = {{ column = {column!r}, scale = RATED/{parts} }} in a mapping "
             f"with the number worked out, RATED that {what} in {'A' if of_current else 'N·m'} (on its plate, in the "
-            f"settings of the drive), {behind}{_ask_position(beside)} ('fricomp convert LOG --inspect --out log.toml' "
-            "begins one)"
+            f"settings of the drive), {behind}{_offer_current(channel, beside)}{_ask_position(beside)} "
+            "('fricomp convert LOG --inspect --out log.toml' begins one)"
         )
     is_angle = channel in ("position", "motor_position")
     is_whole = column not in beside or _are_whole(beside[column])
@@ -188,6 +189,17 @@ def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, bes
         f"{channel} = {{ column = {column!r}, scale = VALUE_OF_ONE }}, and the other columns beside it "
         "('fricomp convert LOG --inspect' shows them)"
     )
+
+
+def _offer_current(channel: str, beside: Mapping[str, Samples]) -> str:
+    """That a current in a known unit may be taken in place of a torque that is a part of a rating."""
+    said = {name: one for name in beside if (one := read_column_name(name)) is not None and one.channel == "current"}
+    known = [
+        name for name, one in said.items() if one.unit not in (RAW_UNIT, UNKNOWN_UNIT) and find_unit_words(name, -1)
+    ]
+    if channel != "torque" or len(known) != 1:
+        return ""
+    return f"; or take the current, which gives friction in A, by --channel {shlex.quote(f'torque={known[0]}')}"
 
 
 def _ask_position(beside: Mapping[str, Samples]) -> str:

@@ -55,7 +55,7 @@ _STEPS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 """What one of a unit is [Hz] or [s]."""
 
 
-_PRESENT = re.compile(r"(?:^|[./ _])present[_ ]?(position|velocity|current)(?:[_ .\[(]?\d+[\])]?)?$", re.IGNORECASE)
+_PRESENT = re.compile(r"(?:^|[./ _\]])present[_ ]?(position|velocity|current)(?:[_ .\[(]?\d+[\])]?)?$", re.IGNORECASE)
 """Registers of a Dynamixel X, as its programs call the columns [robotis2024]."""
 
 
@@ -95,15 +95,15 @@ def read_head_facts(path: Path) -> dict[str, HeadFact]:
 
     Nothing of any other file, nor what is stated twice with other numbers.
     """
-    return _find_facts(_read_head(path))
+    return _find_facts(read_head(path))
 
 
 def read_head_lines(path: Path) -> list[str]:
     """The lines above the rows of a text that are no names of its columns and no units below them."""
-    return [line.strip(' "#%/\r\n') for line in _read_head(path, with_names=False)]
+    return [line.strip(' "#%/\r\n') for line in read_head(path, with_names=False)]
 
 
-def _read_head(path: Path, *, with_names: bool = True) -> list[str]:
+def read_head(path: Path, *, with_names: bool = True) -> list[str]:
     """The lines above the rows of a text, with those of the names or without them; none of any other file."""
     if not path.is_file() or not is_text(path):
         return []
@@ -176,7 +176,9 @@ def say_head_facts(path: Path, text: str, column: str = "", beside: Mapping[str,
     if "gear" in text and "RATIO" in facts and "RATIO" not in text:
         text = text.replace("gear ratio", "gear ratio RATIO", 1)
     facts = _choose_rated(facts, of_current="rated current" in text)
-    known = [f"{name} is {one.value:.6g} by {one.said!r}" for name, one in facts.items() if name in text]
+    known = [
+        f"{name} is {one.value:.6g} by {one.said!r}" for name, one in facts.items() if re.search(rf"\b{name}\b", text)
+    ]
     if known:
         return f"{text}; in this file {', '.join(known)}"
     register = find_register(column)

@@ -23,6 +23,7 @@ from .device_unit import are_counts, explain_unit, find_rating_parts, refuse_axi
 from .episodes import join_episodes
 from .gear import GEARED, bring_to_joint, find_gear, is_motors_velocity, say_gear
 from .head_fact import say_head_facts
+from .head_offset import say_offsets
 from .missing import explain_missing, say_left_out
 from .quantity_files import is_quantity_folder, read_quantity_files
 from .sliding import is_linear, mark_assumed, require_length
@@ -131,7 +132,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     if first.torque_unit == "A":
         notes += say_torque_constant(path, columns, sources[first.joint]["torque"])
     notes += say_torque_size(path, recordings[0], sources[first.joint])
-    notes.append(_say_columns(path, recordings, sources))
+    notes += [_say_columns(path, recordings, sources), *say_offsets(path)]
     notes += say_left_out(path, columns, sources)
     unsaid = [say_missing_unit(path, one, sources[one.metadata.joint], len(recordings)) for one in recordings]
     notes += unsaid[0]

@@ -10,6 +10,7 @@ from fricomp.errors import MissingExtraError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources import own_process
 from fricomp.recording.sources.columns import Contents, flatten_arrays
+from fricomp.recording.sources.pandas_frame import find_frame, read_frame
 from fricomp.untrusted import find_size_limit
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -59,11 +60,15 @@ def _collect(file: Any, limit: int) -> tuple[dict[str, Any], dict[str, list[str]
     import h5py
 
     arrays, words, total = dict[str, Any](), dict[str, list[str]](), 0
+    frames: dict[str, Any] = {}
 
     def take(name: str, item: Any) -> None:
         nonlocal total
         called = name.replace("/", ".")
-        if name.startswith("#"):  # where MATLAB keeps what its cells refer to
+        if name.startswith("#") or any(name.startswith(f"{one}/") for one in frames):
+            return  # where MATLAB keeps what its cells refer to, or what a frame consists of
+        if isinstance(item, h5py.Group) and find_frame(item):
+            frames[name] = item
             return
         _take_attributes(called, item.attrs, arrays, words)
         if not isinstance(item, h5py.Dataset) or item.ndim > _FLATTEST or item.size is None:
@@ -78,7 +83,17 @@ def _collect(file: Any, limit: int) -> tuple[dict[str, Any], dict[str, list[str]
 
     _take_attributes("", file.attrs, arrays, words)
     file.visititems(take)
+    if total + sum(map(_measure, frames.values())) > limit:
+        own_process.refuse(f"unpacks into more than {limit} bytes: it is damaged, or no recording")
+    for name, item in frames.items():
+        before = f"{name.replace('/', '.')}." if len(frames) > 1 else ""
+        arrays |= {f"{before}{column}": values for column, values in read_frame(item).items()}
     return arrays, words
+
+
+def _measure(group: Any) -> int:
+    """Bytes that the data sets of a group unpack into."""
+    return sum(getattr(item, "nbytes", 0) for key, item in group.items() if not key.startswith("_"))
 
 
 def _take_data(name: str, item: Any, arrays: dict[str, Any], *, is_transposed: bool) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from fricomp.errors import FricompError, RecordingError
 from fricomp.recording.mapping import Column, Format, Source
 from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
+from fricomp.recording.sources.can_frames import SUFFIXES_OF_FRAMES, explain_frames
 from fricomp.recording.sources.columns import Columns, Contents
 from fricomp.recording.sources.hdf5_file import read_hdf5
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
@@ -57,7 +58,6 @@ SUFFIXES: dict[str, Format] = {
 _ELSEWHERE = {
     ".xlsx": "a spreadsheet", ".xls": "a spreadsheet", ".ods": "a spreadsheet",
     ".db": "a data base", ".sqlite": "a data base", ".sqlite3": "a data base",
-    ".blf": "frames of a bus", ".trc": "frames of a bus",
     ".pkl": "a pickle, which runs code", ".pickle": "a pickle, which runs code",
     ".tdms": "a LabVIEW TDMS", ".ulg": "a PX4 log", ".mf4": "a measurement of a vehicle", ".fig": "a figure",
 }  # fmt: skip
@@ -169,6 +169,8 @@ def is_text(path: Path) -> bool:
             f"{path} is {_ELSEWHERE[suffix]}, which is not read here: save it as CSV or Parquet there, or as MAT "
             "or NPZ, with a column each for time, position and torque"
         )
+    if suffix in SUFFIXES_OF_FRAMES:
+        raise RecordingError(explain_frames(path, converted=True))
     if suffix in _UNPACKED_BY:
         raise RecordingError(
             f"{path} is compressed: unpack it by '{_UNPACKED_BY[suffix]} {path}', and give the log that was in it"

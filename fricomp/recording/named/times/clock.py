@@ -33,7 +33,8 @@ _CLOCK = r"(epoch|unix|utc|gmt|host|pc|mono|monotonic|boot|rel|abs|local|system|
 _TIME = re.compile(
     rf"^(?!th$)(.*[/_. ])?({'|'.join(TIMES)}|time stamps?|__time|date[_/ ]?time|метка времени|x_value)"
     rf"([_ ]{_CLOCK})*((_in_|\s+in\s+|[_\s\[(,/.-]*)({TIME_UNIT[1:-1]}|(hh:)?mm:ss.*)[\])]?)?$"
-    rf"|^(secs?|seconds?|t?ms|millis(\(\))?|micros(\(\))?|t?us|ticks?_[mun]s|epoch|{_CLOCK}[_ ]{TIME_UNIT})$"
+    rf"|^(secs?|seconds?|t?ms|millis(\(\))?|micros(\(\))?|t?us|t?ns|nanos(\(\))?|ticks?_[mun]s|epoch)$"
+    rf"|^{_CLOCK}[_ ]{TIME_UNIT}$"
     r"|^(time|timestamp|zeit)/.*$"
     r"|^[mun]?s[_ ](today|elapsed|(since|from)[_ ].*)$",
     re.IGNORECASE,

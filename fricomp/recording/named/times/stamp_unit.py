@@ -42,6 +42,9 @@ _SPELLED |= {
     "毫秒": "ms",
     "微秒": "us",
 }
+_ALONE = {"ms": "ms", "us": "us", "ns": "ns", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us", "tns": "ns"}
+_ALONE |= {"nanos": "ns"}
+"""Names that are a unit of time alone."""
 TIME_UNITS = ((0.5, "s"), (500.0, "ms"), (5e5, "us"), (float("inf"), "ns"))
 """Largest median step of stamps, and the unit that they are then in: no arm is logged below 2 Hz or above 2 kHz."""
 
@@ -70,7 +73,7 @@ def read_time_unit(name: str) -> str:
     """The unit that the name of a time states; empty where it is its last word alone, such as `s`."""
     said = _SAID.search(make_narrow(name).rstrip("'"))
     if said is None or said.start() == 0:
-        return {"ms": "ms", "us": "us", "tms": "ms", "millis": "ms", "tus": "us", "micros": "us"}.get(name.lower(), "")
+        return _ALONE.get(name.lower(), "")
     return _SPELLED.get(said.group(1).lower(), said.group(1).lower())
 
 

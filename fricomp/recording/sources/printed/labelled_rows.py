@@ -22,13 +22,13 @@ _LABELLED = re.compile(
 _STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
 _DAY = r"(?:(?:[A-Z][a-z]{2}\s+\d{1,2}|\d\d-\d\d)\s+(?=\d\d:))?"
 """A day without its year before a time of day, as journals and phones write it: `Mar 10 23:59:50.004 host a[8]:`."""
-_UNIT_OF_TIME = r"(?:\s?(s|sec|ms|us|µs|ns)(?![\w.]))?"
+_UNITOF_TIME = r"(?:\s?(s|sec|ms|us|µs|ns)(?![\w.]))?"
 _FIRST, _LAST = (
-    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP}){_UNIT_OF_TIME}\s*[\])]?(?=[\s:;,]|$)"),
-    re.compile(rf"(?<=\s)(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*$"),
+    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP}){_UNITOF_TIME}\s*[\])]?(?=[\s:;,]|$)"),
+    re.compile(rf"(?<=\s)(\d+(?:\.\d+)?){_UNITOF_TIME}\s*$"),
 )
 """A number without a label at an end of the line: when it was written."""
-_ASIDE = re.compile(rf"[\[(]\s*(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*[\])]")
+_ASIDE = re.compile(rf"[\[(]\s*(\d+(?:\.\d+)?){_UNITOF_TIME}\s*[\])]")
 """The same in brackets before the first label: `I (3120) motor: pos=0.1`, `[INFO] [1710460790.25] [node]: pos: 0.1`."""
 _DAY_LONG = 86400.0
 """[s]"""
@@ -37,7 +37,7 @@ _MEMBER = re.compile(r"<\w+\.(\w+): [^<>]{1,20}>")
 _STAMPS = "log time"
 _OPENS = re.compile(r"\s::\s*$")
 """End of a frame's line, below which stands what was decoded of it."""
-_OF_TIME = ("s", "sec", "ms", "us", "µs", "ns")
+OF_TIME = ("s", "sec", "ms", "us", "µs", "ns")
 """Units behind the number of a time."""
 _FEWEST = 2
 """Labelled numbers in a row: lines of a header have one each."""
@@ -89,7 +89,7 @@ def join_rows(rows: Sequence[Mapping[str, str]]) -> list[str]:
 
 
 def _name_with_unit(label: str, unit: str) -> str:
-    of_time = unit in _OF_TIME and label.lower() in TIMES
+    of_time = unit in OF_TIME and label.lower() in TIMES
     return f"{label} [{unit}]" if unit and (unit == "%" or of_time or read_unit(unit)) else label
 
 

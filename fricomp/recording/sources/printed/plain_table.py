@@ -15,6 +15,7 @@ from .labelled_rows import join_rows, tabulate_labelled
 from .matlab_text import tabulate_latex, tabulate_matrices
 from .octave_text import tabulate_variables
 from .proto_text import tabulate_proto
+from .spaced_labels import mark_labels
 from .yaml_text import tabulate_yaml
 
 _MOSTLY = 0.5
@@ -75,7 +76,13 @@ def as_table(lines: list[str], *, is_whole: bool = True) -> list[str]:
             return _without_units(lines, layout) or lines
     except csv.Error:
         return lines  # whose reader says what is wrong with it
-    return tabulate_labelled(lines, is_whole=is_whole) or lines
+    return tabulate_labelled(lines, is_whole=is_whole) or _tabulate_spaced(lines, is_whole=is_whole) or lines
+
+
+def _tabulate_spaced(lines: Sequence[str], *, is_whole: bool) -> list[str] | None:
+    """The table of rows that say each number behind its name and a space; None where they do not."""
+    marked = mark_labels(lines if is_whole else lines[:-1])
+    return None if marked is None else tabulate_labelled(marked)
 
 
 def _join_nodes(lines: list[str]) -> list[str]:

@@ -1,0 +1,177 @@
+"""Logs of recorders and serial monitors: names before numbers, offsets of scopes, controls beside states, frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.errors import RecordingError
+from fricomp.recording import convert, load_mapping
+from fricomp.recording.file import read_content
+from fricomp.recording.inspection.inspection import inspect_log
+from fricomp.recording.inspection.mapping_text import render_mapping
+from fricomp.recording.named.log import NamedLog, read_named_log
+from fricomp.recording.sources.printed.plain_table import as_table
+
+TIME = np.arange(900) / 300.0
+POSITION = 1.1 * np.sin(2.7 * TIME) + 0.2 * np.sin(7.1 * TIME)
+TORQUE = 0.4 * np.sign(np.cos(2.7 * TIME)) + 0.7 * POSITION
+
+
+def write(path: Path, form: str, *above: str) -> Path:
+    rows = [form.format(t=t, q=q, u=u, k=k) for k, (t, q, u) in enumerate(zip(TIME, POSITION, TORQUE, strict=True))]
+    path.write_text("\n".join([*above, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def read(path: Path) -> NamedLog:
+    log = read_named_log(path)
+    assert log.recordings[0].position == pytest.approx(POSITION, abs=1e-6)
+    assert log.recordings[0].torque == pytest.approx(TORQUE, abs=1e-6)
+    return log
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "{t:.6f} s | pos {q:.9f} rad | torque {u:.9f} Nm",
+        "T {t:.6f} POS {q:.9f} TRQ {u:.9f}",
+        "[{t:.6f}] pos {q:.9f} rad, torque {u:.9f} Nm",
+        "time {t:.6f} s; position {q:.9f} rad; effort {u:.9f}",
+    ],
+)
+def test_names_with_a_space_before_their_numbers_are_the_names(form: str, tmp_path: Path) -> None:
+    log = read(write(tmp_path / "monitor.txt", form, "motor on"))
+    assert log.recordings[0].time - log.recordings[0].time[0] == pytest.approx(TIME, abs=1e-5)
+
+
+def test_a_unit_behind_a_number_is_that_of_its_name(tmp_path: Path) -> None:
+    path = write(tmp_path / "monitor.txt", "{t:.6f} s | pos {q:.9f} deg | torque {u:.9f} mNm")
+    (recording,) = read_named_log(path).recordings
+    assert recording.position == pytest.approx(np.radians(POSITION), abs=1e-7)
+    assert recording.torque == pytest.approx(1e-3 * TORQUE, abs=1e-7)
+
+
+@pytest.mark.parametrize("lines", [["1.0 2.0 3.0"] * 9, ["t;q;tau", *["1;2;3"] * 9], ["axis 1 of 6 ready"] * 9])
+def test_lines_that_do_not_consist_of_names_and_numbers_are_left_as_they_are(lines: list[str]) -> None:
+    assert as_table(lines) == lines
+
+
+@pytest.mark.parametrize("number", ["0.5", "0"])
+def test_an_offset_above_the_rows_is_told_and_not_added(number: str, tmp_path: Path) -> None:
+    above = ("Name;ActPos;ActTorque", "Unit;rad;Nm", f"Offset;0;{number}", "Time [s];ActPos;ActTorque")
+    notes = " ".join(read(write(tmp_path / "trace.csv", "{t:.6f};{q:.9f};{u:.9f}", *above)).notes)
+    assert ("'Offset;0;0.5' above the rows was not added to the numbers" in notes) is (number != "0")
+
+
+@pytest.mark.parametrize(("state", "control"), [("servo_stats", "servo_control"), ("state", "control")])
+def test_what_a_controller_asks_for_is_no_joint_of_its_own(state: str, control: str, tmp_path: Path) -> None:
+    names = f"timestamp,{state}.position_deg,{state}.torque,{control}.position,{control}.torque"
+    path = tmp_path / "log.csv"
+    angle = np.degrees(POSITION)
+    rows = [f"{t:.6f},{q:.9f},{u:.9f},{q + 0.1:.9f},0" for t, q, u in zip(TIME, angle, TORQUE, strict=True)]
+    path.write_text("\n".join([names, *rows]) + "\n", encoding="utf-8")
+    (recording,) = read(path).recordings
+    assert recording.position_reference == pytest.approx(np.radians(angle + 0.1), abs=1e-8)  # in its unit, unsaid
+
+
+def test_a_joint_that_is_called_control_alone_is_a_joint(tmp_path: Path) -> None:
+    path = write(tmp_path / "log.csv", "{t:.6f},{q:.9f},{u:.9f}", "time,control.position,control.torque")
+    assert read(path).recordings[0].metadata.joint == "control"
+
+
+@pytest.mark.parametrize("name", ["ns", "nanos", "us", "ms"])
+def test_a_unit_of_time_alone_is_the_name_of_the_time(name: str, tmp_path: Path) -> None:
+    step = {"ns": 1e-9, "nanos": 1e-9, "us": 1e-6, "ms": 1e-3}[name]
+    path = tmp_path / "log.csv"
+    rows = [f"{t / step:.6f},{q:.9f},{u:.9f}" for t, q, u in zip(TIME, POSITION, TORQUE, strict=True)]
+    path.write_text("\n".join([f"{name},position,torque", *rows]) + "\n", encoding="utf-8")
+    assert read(path).recordings[0].time == pytest.approx(TIME, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "lines"),
+    [
+        ("trace.asc", ["   {t:.6f} 1  181             Rx   d 8 00 00 E5 FF 03 00 00 00"]),
+        ("trace.blf", ["LOGG {k}"]),
+        ("trace.trc", ["{k}) {t:.3f} Rx 0181 8 00 00 E5 FF 03 00 00 00"]),
+    ],
+)
+def test_frames_that_no_decoder_reads_are_written_as_lines_first(name: str, lines: list[str], tmp_path: Path) -> None:
+    path = write(tmp_path / name, lines[0], "date Thu Mar 14 13:19:50.250 2024", "base hex  timestamps absolute")
+    with pytest.raises(RecordingError, match=rf"can\.logconvert {name} trace\.candump\.log'.*< trace\.candump\.log >"):
+        read_content(path)
+
+
+def test_lines_that_say_their_direction_are_frames_too(tmp_path: Path) -> None:
+    path = write(tmp_path / "can.log", "({t:.6f}) can0 181#0000000001000000 R")
+    with pytest.raises(RecordingError, match=r"bare frames of a CAN bus.*< can\.log >"):
+        read_content(path)
+
+
+@pytest.mark.parametrize("motor", ["motor_", ""])
+def test_the_torque_constant_goes_with_the_gear_in_the_proposed_mapping(motor: str, tmp_path: Path) -> None:
+    above = ("# gear ratio: 50", "# Kt = 0.09 Nm/A", f"time [s],{motor}position [rad],{motor}current [mA]")
+    path = write(tmp_path / "log.csv", "{t:.6f},{q:.9f},{u:.9f}", *above)
+    seen = inspect_log(path)
+    proposed = seen.guess or render_mapping(path, seen.log) if seen.log is not None else seen.guess
+    line = next(one for one in proposed.splitlines() if one.startswith("# torque"))
+    assert "scale = 0.0045 }" in line
+    assert "by 'Kt = 0.09 Nm/A' and 'gear ratio: 50'; 9e-05 without a gear" in line
+    mapping = tmp_path / "log.toml"
+    kept = (line.removeprefix("# ") if one.startswith("torque = ") else one for one in proposed.splitlines())
+    mapping.write_text("\n".join(kept).replace('torque_unit = "A"', 'torque_unit = "N·m"'), encoding="utf-8")
+    (found,) = convert(path, load_mapping(mapping))
+    assert found.recording.torque == pytest.approx(0.0045 * TORQUE, abs=1e-9)
+    assert found.recording.metadata.torque_unit == "N·m"
+
+
+def test_steps_of_a_unit_and_counts_of_a_motor_stand_in_the_proposed_mapping(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    counts, current = np.round(4096 * POSITION / (2.0 * np.pi)), np.round(100.0 * TORQUE)
+    rows = [f"{1e3 * t:.6f},{a:.0f},{b:.0f}" for t, a, b in zip(TIME, counts, current, strict=True)]
+    path.write_text("\n".join(["Time (ms),Motor Position (counts),Current (0.01 A)", *rows]) + "\n", encoding="utf-8")
+    guess = inspect_log(path).guess
+    assert "scale = 6.2832/(COUNTS_A_TURN*RATIO) }" in guess
+    assert 'torque = { column = "Current (0.01 A)", scale = 0.01 }' in guess
+    mapping = tmp_path / "log.toml"
+    mapping.write_text(guess.replace("6.2832/(COUNTS_A_TURN*RATIO)", f"{2.0 * np.pi / 4096:.9g}"), encoding="utf-8")
+    (found,) = convert(path, load_mapping(mapping))
+    assert found.recording.torque == pytest.approx(TORQUE, abs=6e-3)
+    assert found.recording.position == pytest.approx(POSITION, abs=1e-3)
+
+
+@pytest.mark.parametrize(("names", "offered"), [("Torque [‰];Current [mA]", True), ("Torque [‰];Status", False)])
+def test_a_current_is_offered_for_a_torque_whose_rating_may_not_be_known(
+    names: str, offered: bool, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "log.csv", "{t:.6f};{q:.9f};{u:.9f};{u:.9f}", f"Time [s];Angle [rad];{names}")
+    with pytest.raises(RecordingError) as refused:
+        read_content(path)
+    assert ("--channel 'torque=Current [mA]'" in str(refused.value)) is offered
+    if offered:
+        (recording,) = read_named_log(path, {"torque": "Current [mA]"}).recordings
+        assert recording.metadata.torque_unit == "A"
+        assert recording.torque == pytest.approx(1e-3 * TORQUE, abs=1e-8)
+
+
+def test_a_rating_is_no_rate(tmp_path: Path) -> None:
+    above = ("Sampling Period;2;ms", "Time [s];Angle [rad];Torque [%]")
+    path = write(tmp_path / "log.csv", "{t:.6f};{q:.9f};{u:.9f}", *above)
+    with pytest.raises(RecordingError, match="rated torque") as refused:
+        read_content(path)
+    assert "in this file" not in str(refused.value)
+
+
+def test_registers_behind_the_number_of_their_servo_are_filled_in(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    counts, current = np.round(4096 * POSITION / (2.0 * np.pi)), np.round(TORQUE / 0.00269)
+    rows = [f"{1e3 * t:.6f},{a:.0f},{b:.0f}" for t, a, b in zip(TIME, counts, current, strict=True)]
+    path.write_text("\n".join(["Time(ms),[ID:001]Present Position,[ID:001]Present Current", *rows]) + "\n")
+    mapping = tmp_path / "log.toml"
+    mapping.write_text(inspect_log(path).guess, encoding="utf-8")
+    (found,) = convert(path, load_mapping(mapping))
+    assert found.recording.position == pytest.approx(POSITION, abs=1e-3)
+    assert found.recording.torque == pytest.approx(TORQUE, abs=2e-3)
