@@ -17,6 +17,7 @@ from fricomp.recording.named.times.clock import find_stamps
 from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.quantity_word import count_known
 from fricomp.recording.sources.text import cut_rows, read_lines
+from fricomp.recording.sources.text_line import split_cells
 from fricomp.recording.unit import find_unit
 from fricomp.recording.unit_word import UNKNOWN_UNIT
 
@@ -113,7 +114,7 @@ def _read_header(path: Path) -> list[str]:
     """The columns of a large file; empty where it is small or has to be read with care."""
     text, _ = read_head(path) or ("", 0)
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    return [cell.strip() for cell in lines[0].split(",")] if lines and '"' not in lines[0] else []
+    return split_cells(lines[0], ",") if lines else []
 
 
 def _read_fast(path: Path) -> FrictionTable | None:

@@ -238,7 +238,7 @@ def _fit_sliding(
     velocity, mixed = samples.velocity[rows], np.zeros_like(samples.torque)
     has_offset = not bidirectional and not is_one_way(velocity)
     columns = list_body_columns(samples, settings.gravity, has_offset=has_offset)[rows]
-    for _ in range(_REFINEMENTS):
+    for refinement in range(_REFINEMENTS):
         friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[rows]
         if np.mean(friction * np.sign(velocity)) < 0.0:
             raise IdentificationError(_DRIVES)
@@ -247,7 +247,8 @@ def _fit_sliding(
         mixed = filtered - np.asarray(found.model.torque(samples.velocity))
         left = (samples.torque - filtered)[rows] - (rigid.offset if bidirectional else 0.0)
         noise = samples.recorded.acceleration_noise
-        together = fit_together(columns, left, found, np.flatnonzero(rows), noise=noise)
+        reach = REACH if refinement == _REFINEMENTS - 1 else 1  # how sure it is, is asked of the last one alone
+        together = fit_together(columns, left, found, np.flatnonzero(rows), reach=reach, noise=noise)
         rigid = with_body(rigid, together, settings.gravity, has_offset=has_offset)
     slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
     measured = np.gradient(samples.torque, samples.recorded.time)[rows]

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fricomp.calibration import table
 from fricomp.errors import RecordingError
 from fricomp.recording import number_rows
 from fricomp.recording.named import source
@@ -49,3 +50,18 @@ def test_what_is_no_number_is_read_with_care(last: str, tmp_path: Path, monkeypa
     careful = read()
     monkeypatch.setattr(number_rows, "_LARGE", 100)
     assert read() == careful
+
+
+@pytest.mark.parametrize("names", ['"t_s","q_rad","tau_Nm"', "t_s,q_rad,tau_Nm", '"velocity","torque","n"'])
+def test_whether_a_table_holds_points_is_told_by_its_head(
+    names: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "log.csv"
+    t = np.arange(200) * 0.01
+    rows = np.column_stack([t, np.sin(t), np.cos(t)]).tolist()
+    path.write_text("\n".join([names, *(",".join(map(repr, row)) for row in rows)]) + "\n")
+    monkeypatch.setattr(number_rows, "_LARGE", 100)
+    monkeypatch.setattr(table, "read_lines", lambda _: pytest.fail("the whole text was read"))
+    assert table.is_friction_table(path) is ("velocity" in names)
+    if "velocity" in names:
+        assert table.read_friction_table(path).torque == pytest.approx(np.sin(t))

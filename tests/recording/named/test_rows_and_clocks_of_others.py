@@ -200,7 +200,7 @@ def test_a_clock_that_jitters_leaves_the_rows_in_their_order() -> None:
     assert np.array_equal(channels["position"], POSITION)
 
 
-@pytest.mark.parametrize("suffix", [".sqlite", ".db", ".blf"])
+@pytest.mark.parametrize("suffix", [".sqlite", ".db", ".tdms"])
 def test_what_is_not_read_is_called_by_its_name(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"log{suffix}"
     path.write_bytes(b"SQLite format 3\0\0")
