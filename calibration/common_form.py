@@ -66,9 +66,10 @@ class CommonForm(NamedTuple):
         """The law with `values` in the order of `names`."""
         if not self.is_directed and not self.is_bent:
             return FrictionLaw((Coulomb(values[0]), Viscous(values[1])))
-        count = len(values) // (2 if self.is_directed else 1)
-        curves = [self._build_curve(values[k : k + count]) for k in range(0, len(values), count)]
-        return FrictionLaw((BidirectionalStribeck(*curves) if self.is_directed else Stribeck(*curves),))
+        if not self.is_directed:
+            return FrictionLaw((Stribeck(self._build_curve(values)),))
+        half = len(values) // 2
+        return FrictionLaw((BidirectionalStribeck(self._build_curve(values[:half]), self._build_curve(values[half:])),))
 
     def _build_curve(self, values: Sequence[float]) -> StribeckCurve:
         if self.is_bent:
@@ -163,7 +164,8 @@ def _fit_curve(
     start, size = _guess_start(model, form, velocity, torque)
 
     def left(scaled: FloatArray) -> FloatArray:
-        return root * (np.asarray(form.build_law((scaled * size).tolist()).torque(velocity)) - torque)
+        found = form.build_law((scaled * size).tolist()).torque(velocity)
+        return np.asarray(root * (np.asarray(found) - torque), dtype=np.float64)
 
     found = optimize.least_squares(left, start / size, bounds=(1e-9, np.inf), x_scale="jac")
     if not found.success:
