@@ -32,6 +32,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 __all__ = [
+    "BRISTLE",
     "CREEP",
     "GEARS",
     "LEAST_CREEP",
@@ -58,6 +59,9 @@ PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 CREEP = "creep"
 """Name of the term of friction that never holds: dry friction of simulators, solved softly. It is no physics of a
 joint, so that it has no name among the effects."""
+
+BRISTLE = "presliding_hysteresis"
+"""Name of the term of a bristle that has to turn before its joint slides."""
 
 _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
 """Stribeck velocities to start from, as parts of a joint's top speed; the one that is taken moves to where the curve
@@ -175,7 +179,7 @@ TERMS = {
             _STRIBECK * len(_STRIBECK_STARTS),
             filled="stribeck",
         ),
-        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance", on_slides=_ARM),
+        JointTerm(BRISTLE, ("level",), _BREAKAWAY, label="breakaway_distance", on_slides=_ARM),
         JointTerm(CREEP, ("level", "width"), _CREEP_SPEEDS * len(_CREEP_FORMS), filled="creep"),
         JointTerm("position_coulomb", ("cosine", "sine"), ORDERS, label="order", on_slides=None, counted=True),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),

@@ -26,7 +26,7 @@ from fricomp.recording.metadata import list_dates
 from .arm_recording import find_start_temperature
 from .columns import CREEP_ROUNDING
 from .comparison.torque_scale import scale_values
-from .friction import CREEP, STRIBECK_EXPONENTS, TERMS
+from .friction import BRISTLE, CREEP, STRIBECK_EXPONENTS, TERMS
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
 
@@ -83,10 +83,10 @@ def _build_core(
         others = {name: one for name, one in form.items() if name != CREEP}
         soft = SmoothedCoulomb(max(level, 0.0), CREEP_ROUNDING * find_creep_velocity(found, joint))
         return (*_build_core(found, joint, values | {"coulomb": values["coulomb"] - level}, others), soft)
-    if "presliding_hysteresis" not in form:
+    level = values[TERMS[BRISTLE].names(form[BRISTLE])[0]] if BRISTLE in form else 0.0
+    if level <= _LEAST_PART * values["coulomb"]:  # none, or less than a law can have beside the rest
         return (BidirectionalStribeck(*_build_curves(found, joint, values, form)),)
-    level = values[TERMS["presliding_hysteresis"].names(form["presliding_hysteresis"])[0]]
-    distance = _value_of(found, joint, "presliding_hysteresis", form)
+    distance = _value_of(found, joint, BRISTLE, form)
     if level > _MOST_PART * values["coulomb"]:
         curves = _build_curves(found, joint, values, form)
         return (LuGre(*curves, curves[0].coulomb_torque / distance, 0.0),)

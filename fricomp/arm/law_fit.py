@@ -49,7 +49,8 @@ def fit_within_law(found: ArmIdentification, joint: int) -> dict[str, float]:
     columns = first + np.array([column_names().index(name) for name in names])
     scale = equations.weights.noise[joint] ** 2
     H = equations.sums[joint][np.ix_(columns, columns)] / scale + np.diag(fit.prior_deviation[place] ** -2.0)
-    return dict(zip(names, _project(values, H, limits, least).tolist(), strict=True))
+    nearest = zip(names, _project(values, H, limits, least).tolist(), strict=True)
+    return {name: max(one, 0.0) if name.startswith(_POSITIVE) else one for name, one in nearest}  # but for rounding
 
 
 def _list_limits(names: tuple[str, ...], values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -11,11 +11,13 @@ import pytest
 from fricomp.arm import examine_arm
 from fricomp.arm.coordinates import ArmModel
 from fricomp.arm.friction import JointForm
+from fricomp.arm.prior import ArmPrior
 from fricomp.arm.search import shared_delay
 from fricomp.arm.search.shared_delay import (
     SharedDelay,
     agree,
     are_others_early,
+    measure_delay,
     measure_seen,
     share_delays,
     take_median,
@@ -52,6 +54,17 @@ def test_one_joint_does_not_move_what_most_ask_for() -> None:
 def test_joints_apart_have_to_be_surer() -> None:
     assert SharedDelay(0.005, 0.002, {}).is_sure
     assert not SharedDelay(0.005, 0.002, {0: 0.009, 1: 0.001}).is_sure
+
+
+@pytest.mark.parametrize(("third", "torn"), [(10e-3, True), (0.8e-3, False)])
+def test_joints_that_surely_differ_are_torn(monkeypatch: pytest.MonkeyPatch, third: float, torn: bool) -> None:
+    """A delay of all is then held: left to the fit it is that of the joint whose torque tells most."""
+    asked = np.arange(3), np.array([0.0, 0.1e-3, third]), np.full(3, 0.2e-3)
+    monkeypatch.setattr(shared_delay, "_ask_joints", lambda *_: asked)
+    monkeypatch.setattr(shared_delay, "Glance", lambda *_: None)
+    found = measure_delay(cast(Any, None), cast(Any, None), ArmPrior())
+    assert found.apart
+    assert found.is_torn is torn
 
 
 def test_a_long_delay_is_found_in_few_steps_though_each_look_sees_half_of_it() -> None:
@@ -102,3 +115,27 @@ def test_one_joint_that_is_late_beside_others_leaves_them_their_delay(tmp_path: 
     record = examine_arm(recordings, simulation).record
     assert record.delay.value == pytest.approx(3e-3, abs=1e-3)
     assert [[one.name for one in joint.effects] for joint in record.joints] == [[], [], ["torque_delay"]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("later", [10e-3, 16e-3])
+def test_one_joint_that_is_late_beside_bristles_has_a_delay(tmp_path: Path, later: float) -> None:
+    """Its torque tells most, and had been taken for the time of all: by 16 ms its bristle had a ripple for it."""
+    simulation = write_arm(tmp_path)
+
+    def build_up(joint: int, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
+        bent, turned, way = 0.0, np.empty_like(v), 2e-3 * float(np.max(np.abs(v)))
+        for k, rate in enumerate(v.tolist()):
+            bent = min(max(bent + rate / 250.0 * (1.0 - bent * np.sign(rate)) / way, -1.0), 1.0)
+            turned[k] = bent
+        return _LEVELS[joint] * (turned - np.sign(v))
+
+    recordings = record_arm(simulation, build_up)
+    time, torque = recordings[1].time, np.asarray(recordings[1].torque)
+    recordings[1] = recordings[1].with_channels(torque=np.interp(time - later, time, torque))
+    record = examine_arm(recordings, simulation).record
+    names = [{one.name for one in joint.effects} for joint in record.joints]
+    bristle = {"presliding_hysteresis"}
+    assert names == [bristle, bristle | {"torque_delay"}, bristle]
+    (delay,) = (one.parameters["delay"] for one in record.joints[1].effects if one.name == "torque_delay")
+    assert delay.value == pytest.approx(later, abs=5e-4)

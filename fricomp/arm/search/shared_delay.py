@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from fricomp.laws import FloatArray
 
@@ -48,12 +48,14 @@ class SharedDelay(NamedTuple):
         deviation: Its standard deviation [s].
         apart: Delay that each joint asks for by its number [s], where they do not agree.
         spread: Largest standard deviation of these [s].
+        is_torn: Whether they differ as surely as anything that is taken in.
     """
 
     value: float
     deviation: float
     apart: dict[int, float]
     spread: float = 0.0
+    is_torn: bool = False
 
     @property
     def is_sure(self) -> bool:
@@ -87,16 +89,23 @@ def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> Shar
     if agree(delays, spread):
         return SharedDelay(*glance.solve(replace(fit.model, prompt=False)).delay, {})
     apart = dict(zip(joints[shown].tolist(), delays.tolist(), strict=True))
-    return SharedDelay(*take_median(delays, spread), apart, float(np.max(spread)))
+    torn = not agree(delays, spread, 2.0 * float(norm.sf(_SURE_APART)))
+    return SharedDelay(*take_median(delays, spread), apart, float(np.max(spread)), torn)
 
 
-def agree(values: FloatArray, spread: FloatArray) -> bool:
-    """Whether values with these standard deviations may all be of one thing [dersimonian1986]."""
+def agree(values: FloatArray, spread: FloatArray, chance: float = _CHANCE) -> bool:
+    """Whether values with these standard deviations may all be of one thing [dersimonian1986].
+
+    Args:
+        values: Shape (n,).
+        spread: Shape (n,).
+        chance: Probability by which such values differ by more than may be.
+    """
     if values.size < 2:
         return True
     weights = spread**-2.0
     away = values - weights @ values / np.sum(weights)
-    return bool(weights @ away**2 < chi2.isf(_CHANCE, values.size - 1))
+    return bool(weights @ away**2 < chi2.isf(chance, values.size - 1))
 
 
 def is_before_most(glance: Glance, fit: ArmFit, joint: int) -> bool:

@@ -37,7 +37,8 @@ def take_off_delay(
     Whether a delay is sure is seen where it stands still: on the way there, each joint shows another part of its own.
 
     Returns:
-        The last tells whether they look so, and are taken to be prompt.
+        The last tells whether the time is held where the rows have it: they look early, and are taken to be prompt, or
+        joints differ so surely that the one whose torque tells most would have its own time taken for that of all.
     """
     total, found, moved, before, held = start, SharedDelay(start, 0.0, {}), 0.0, 0.0, -_HOLD * recording.period
     for _ in range(_ROUNDS):  # settled: a joint that sticks turns later than it would
@@ -57,9 +58,9 @@ def take_off_delay(
         total = found.value
         rows, equations = move_torques(rows, equations, total)
     if found.is_sure or not total:
-        return rows, equations, found, ahead and not total
+        return rows, equations, found, found.is_torn or (ahead and not total)
     least = found.take_least()
-    return *move_torques(rows, equations, least.value), least, ahead and not least.value
+    return *move_torques(rows, equations, least.value), least, found.is_torn or (ahead and not least.value)
 
 
 def move_torques(rows: ArmRows, equations: ArmEquations, delay: float) -> tuple[ArmRows, ArmEquations]:
