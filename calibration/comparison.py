@@ -245,7 +245,8 @@ def _describe_missing_covariance(which: str, model: FrictionModel) -> str:
     if model.provenance.method == "diagnosis":
         return (
             f"the {which} model was written by a diagnosis, which writes no covariance, so no change can be judged: "
-            "make both models with fricomp identify or fricomp calibrate"
+            "make both models with fricomp identify or fricomp calibrate, or let fricomp watch follow the folder that "
+            "both diagnoses lie in"
         )
     return f"the {which} model has no covariance, so no change can be judged: identify it from data"
 

@@ -45,6 +45,8 @@ _ELSEWHERE = frozenset(
     ["ambient", "room", "air", "environment", "board", "pcb", "mos", "mosfet", "fet", "driver", "mcu", "cpu"]
 )
 """Words of a temperature that is none of the motor's."""
+_TORQUE_AXIS = frozenset(["iq", "iqf", "q"])
+"""Words of the current that makes the torque, among those of other axes and phases."""
 TORQUES = ("torque", "current", "load_torque", "torque_command")
 """What may stand for the torque, in this order."""
 
@@ -63,7 +65,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
     candidates = take_controls(_drop_shared_words(_find_candidates(path, columns, channels)))
     wanted = _with_temperature(candidates, _choose_joints(candidates))
     chosen = {
-        joint: _without_duty({channel: _choose_one(path, channel, found) for channel, found in own.items()})
+        joint: _without_duty({channel: _choose_one(path, channel, own) for channel in own})
         for joint, own in wanted.items()
     }
     taken = {name for own in candidates.values() for found in own.values() for name, _ in found}
@@ -257,16 +259,21 @@ def _with_temperature(candidates: _Candidates, wanted: _Candidates) -> _Candidat
     return wanted if best is None else {joint: channels | {"temperature": [best]}}
 
 
-def _choose_one(path: Path, channel: str, found: Sequence[tuple[str, ColumnMeaning]]) -> tuple[str, ColumnMeaning]:
-    """The column that says the most surely that it was measured."""
-    most = max(meaning.certainty for _, meaning in found)
-    best = [one for one in found if one[1].certainty == most]
-    if len(best) > 1 and channel in ("position", "torque"):
+def _choose_one(
+    path: Path, channel: str, own: Mapping[str, Sequence[tuple[str, ColumnMeaning]]]
+) -> tuple[str, ColumnMeaning]:
+    """The column that says the most surely that it was measured; of currents that which makes the torque."""
+    most = max(meaning.certainty for _, meaning in own[channel])
+    best = [one for one in own[channel] if one[1].certainty == most]
+    if channel == "current":
+        best = [one for one in best if _TORQUE_AXIS & {word for word, _ in split_words(one[0])}] or best
+    stands_in = channel == "current" and "torque" not in own
+    if len(best) > 1 and (channel in ("position", "torque") or stands_in):
         joint = best[0][1].joint
         whose = f" of joint {name_joint(joint)}" if joint and len({one.joint for _, one in best}) == 1 else ""
         raise RecordingError(
             f"{path}: {' and '.join(repr(name) for name, _ in best)} could each be the {channel}{whose}: choose by "
-            f"--channel {channel}=NAME"
+            f"--channel {'torque' if stands_in else channel}=NAME"
         )
     return best[0]
 

@@ -26,6 +26,7 @@ from .head_fact import say_head_facts
 from .head_offset import say_offsets
 from .missing import explain_missing, say_left_out
 from .quantity_files import is_quantity_folder, read_quantity_files
+from .reference_unit import settle_references
 from .sliding import is_linear, mark_assumed, require_length
 from .source import read_named_columns
 from .sparse import join_sparse
@@ -121,7 +122,8 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
         notes += of_motor
         findings += found
         recording, settled = settle_units(path, recording, own, (column, unit))
-        notes += settled
+        recording, followed = settle_references(path, recording, own)
+        notes += [*settled, *followed]
         recording = recording.with_metadata(recorded=format_date(begin))
         recordings.append(mark_assumed(recording, own))
         refuse_unstated(path, recording, own)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.quantum import measure_quantum, snap_period
+from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples
 
@@ -106,9 +107,10 @@ class WildTorque(NamedTuple):
 def find_period(recording: Recording) -> Wrap | None:
     """The range of a position that wraps round; None where it does not, or jumps by all sorts of distances."""
     step = np.diff(recording.position)
-    size, around = np.abs(step), _around(recording)
-    travel = float(np.ptp(recording.position))
-    wraps = np.flatnonzero((size > _WRAP * around) & (size > 0.5 * travel))
+    size, around, travel = np.abs(step), _around(recording), float(np.ptp(recording.position))
+    leaps = (size > _WRAP * around) & (size > 0.5 * travel)
+    seen = leaps & (np.diff(recording.time) <= find_gap_length(recording))  # over a gap the joint itself has moved on
+    wraps = np.flatnonzero(seen if seen.any() else leaps)
     if not wraps.size:
         return None
     passed = np.abs(np.median(_neighbours(step), axis=0))[wraps]  # the way of the joint itself within the step

@@ -175,3 +175,31 @@ def test_registers_behind_the_number_of_their_servo_are_filled_in(tmp_path: Path
     (found,) = convert(path, load_mapping(mapping))
     assert found.recording.position == pytest.approx(POSITION, abs=1e-3)
     assert found.recording.torque == pytest.approx(TORQUE, abs=2e-3)
+
+
+@pytest.mark.parametrize(("asked", "factor"), [("pos_cmd", np.degrees(1.0)), ("pos_cmd", 1.0), ("pos_cmd_rad", 1.0)])
+def test_a_reference_is_in_the_unit_in_which_it_is_followed(asked: str, factor: float, tmp_path: Path) -> None:
+    path, reference = tmp_path / "log.csv", 1.02 * POSITION + 0.01
+    rows = [
+        f"{t:.6f},{np.degrees(q):.9f},{factor * r:.9f},{u:.9f}"
+        for t, q, r, u in zip(TIME, POSITION, reference, TORQUE, strict=True)
+    ]
+    path.write_text("\n".join([f"t,pos_deg,{asked},torque", *rows]) + "\n", encoding="utf-8")
+    log = read(path)
+    assert log.recordings[0].position_reference == pytest.approx(reference, abs=1e-6)
+    assert any("'pos_cmd' was taken to be in deg, by 'pos_deg'" in note for note in log.notes) is bool(factor > 1.0)
+
+
+@pytest.mark.parametrize("names", ["Phase U current [A],Iq current [A]", "phase_current_a,motor_current"])
+def test_the_current_of_a_phase_comes_behind_that_of_the_motor(names: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    turning = TORQUE * np.sin(7.0 * POSITION)
+    rows = [f"{t:.6f},{q:.9f},{i:.9f},{u:.9f}" for t, q, i, u in zip(TIME, POSITION, turning, TORQUE, strict=True)]
+    path.write_text("\n".join([f"time,angle_rad,{names}", *rows]) + "\n", encoding="utf-8")
+    assert read(path).recordings[0].metadata.torque_unit == "A"
+
+
+def test_currents_of_which_each_may_make_the_torque_are_asked_about(tmp_path: Path) -> None:
+    form, names = "{t:.6f},{q:.9f},{u:.9f},{q:.9f}", "time,angle_rad,left current,right current"
+    with pytest.raises(RecordingError, match="could each be the current: choose by --channel torque=NAME"):
+        read_named_log(write(tmp_path / "log.csv", form, names))

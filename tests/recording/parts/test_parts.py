@@ -132,6 +132,21 @@ def test_a_counter_that_wraps_is_unwrapped_by_its_own_range(period: float) -> No
     assert f"{period:.6g}" in usable.sentences[0]
 
 
+@pytest.mark.parametrize("moved", [0.6, 0.8])
+def test_a_counter_that_wraps_is_unwrapped_beside_a_gap_in_which_the_joint_moves_on(moved: float) -> None:
+    log, period = joint_log(20.0, 500.0, 10), 2.0 * np.pi
+    far = 0.55 * period * np.sin(2.0 * np.pi * 0.11 * log.time) + 0.02 * log.position
+    wrapped = log.with_channels(position=np.mod(far + 0.5 * period, period) - 0.5 * period, velocity=None)
+    begin = int(np.argmax(far < -0.43 * period))
+    behind = begin + int(np.argmax(far[begin:] > (moved - 0.43) * period))  # nearly as far as a wrap, and none
+    kept = np.r_[0:begin, behind : len(log)]
+    found = find_usable_parts(wrapped.rows(kept))
+    assert any("it wraps round" in line and "6.28319" in line for line in found.sentences)
+    for part in found.parts:
+        there = np.interp(part.time, log.time, far)
+        assert np.ptp(part.position - there) < 1e-3
+
+
 @pytest.mark.parametrize("rows", [3, 15])
 def test_held_rows_are_thinned_to_the_rate_of_the_readings(rows: int) -> None:
     log = joint_log(30.0, 1000.0, 11)
