@@ -22,6 +22,7 @@ from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_ros_topics, read_topics, tabulate_topics
 from fricomp.recording.sources.text import cut_rows, find_encoding, read_lines
 from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
+from fricomp.recording.sources.text_line import part_touching
 from fricomp.recording.sources.topic import Topic, is_bare
 from fricomp.recording.validity import Samples
 from fricomp.untrusted import require_filled
@@ -221,7 +222,7 @@ def _read_text(path: Path) -> dict[str, Samples]:
     layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
     if not layout.names:
         raise RecordingError(explain_unnamed(path))
-    rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
+    rows = _cut_rows(path, lines, layout, len(layout.names))
     names = number_repeated(fill_spans(_name_index(layout.names, rows)), rows)
     require_filled(len(rows), len(names), sum(map(len, rows)))
     columns: dict[str, Samples] = {}
@@ -298,6 +299,15 @@ def _name_index(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str
     return ["time", *names[1:]]
 
 
+def _cut_rows(path: Path, lines: Sequence[str], layout: TextLayout, width: int = 0) -> list[list[str]]:
+    """The cells of the rows; between white space numbers may touch. Without a width that of the first rows is meant."""
+    rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
+    if layout.delimiter:
+        return rows
+    width = width or max(map(len, rows[:FIRST_LINES]), default=0)
+    return [part_touching(row, width) for row in rows]
+
+
 def read_unnamed_columns(path: Path) -> dict[str, Samples]:
     """Columns of a text table without names, by their numbers from 1.
 
@@ -306,7 +316,7 @@ def read_unnamed_columns(path: Path) -> dict[str, Samples]:
     """
     lines = read_lines(path)
     layout = _require_layout(path, [line[:_LONGEST_LINE] for line in lines[:FIRST_LINES]])
-    rows = [cells for _, cells in cut_rows(path, lines[layout.rows_line :], layout.delimiter, layout.rows_line + 1)]
+    rows = _cut_rows(path, lines, layout)
     numbers = range(max(map(len, rows), default=0))
     require_filled(len(rows), len(numbers), sum(map(len, rows)))
     return {str(k + 1): np.array([number_or_nan(row, k, layout.decimal) for row in rows]) for k in numbers}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from fricomp.recording.file import read_content
 from fricomp.recording.inspection.inspection import inspect_log
 from fricomp.recording.inspection.mapping_text import render_mapping
 from fricomp.recording.named.log import NamedLog, read_named_log
+from fricomp.recording.named.source import read_unnamed_columns
 from fricomp.recording.sources.printed.plain_table import as_table
 
 TIME = np.arange(900) / 300.0
@@ -203,3 +205,35 @@ def test_currents_of_which_each_may_make_the_torque_are_asked_about(tmp_path: Pa
     form, names = "{t:.6f},{q:.9f},{u:.9f},{q:.9f}", "time,angle_rad,left current,right current"
     with pytest.raises(RecordingError, match="could each be the current: choose by --channel torque=NAME"):
         read_named_log(write(tmp_path / "log.csv", form, names))
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "motor-1  | 2026-03-14T10:00:{t:09.6f}Z INFO state pos=[{q:.9f}] eff=[{u:.9f}]",
+        "node-7 WARN 2026-03-14 10:00:{t:09.6f}, state pos: {q:.9f} effort: {u:.9f}",
+    ],
+)
+def test_a_date_behind_the_name_of_a_program_is_the_time_of_its_line(form: str, tmp_path: Path) -> None:
+    log = read(write(tmp_path / "out.log", form))
+    assert log.recordings[0].time - log.recordings[0].time[0] == pytest.approx(TIME, abs=1e-5)
+
+
+def test_a_list_behind_a_label_has_an_entry_a_joint(tmp_path: Path) -> None:
+    form = "State(t={t:.6f}, q=[0.1, {q:.9f}], dq=[], tau=array([-1.5e-1, {u:.9f}]))"
+    log = read_named_log(write(tmp_path / "out.txt", form))
+    found = {one.metadata.joint: one for one in log.recordings}
+    assert found["joint_2"].position == pytest.approx(POSITION, abs=1e-8)
+    assert found["joint_2"].torque == pytest.approx(TORQUE, abs=1e-8)
+
+
+@pytest.mark.parametrize("names", [("   time [s]   q [rad] tau [Nm]",), ()])
+def test_numbers_of_fixed_places_may_touch(names: tuple[str, ...], tmp_path: Path) -> None:
+    path = write(tmp_path / "log.dat", "{t:10.4f}{q:11.8f}{u:11.8f}", *names)
+    assert re.search(r"\d-\d", path.read_text().replace("e-", ""))
+    if names:
+        assert read(path).recordings[0].position.size == TIME.size
+        return
+    columns = read_unnamed_columns(path)
+    assert columns["2"] == pytest.approx(POSITION, abs=1e-8)
+    assert columns["3"] == pytest.approx(TORQUE, abs=1e-8)

@@ -30,10 +30,17 @@ _FIRST, _LAST = (
 """A number without a label at an end of the line: when it was written."""
 _ASIDE = re.compile(rf"[\[(]\s*(\d+(?:\.\d+)?){_UNITOF_TIME}\s*[\])]")
 """The same in brackets before the first label: `I (3120) motor: pos=0.1`, `[INFO] [1710460790.25] [node]: pos: 0.1`."""
+_WITHIN = re.compile(r"(?<![\w.:])(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)()(?=Z|[+-]\d\d|[\s:;,\])])")
+"""A date and time anywhere before the first label: `motor-1  | 2026-03-14T10:00:00.250Z INFO pos=0.1`."""
 _DAY_LONG = 86400.0
 """[s]"""
 _MEMBER = re.compile(r"<\w+\.(\w+): [^<>]{1,20}>")
 """A member of an enumeration as Python shows it in front of what is said of it: `<Register.POSITION: 1>: 0.1`."""
+_LIST = re.compile(
+    rf"""(?<!\w)([A-Za-z_][\w./]{{0,80}})(["']?\s*[:=]\s*)[\[(]((?:\s*(?:{_NUMBER}|nan|None|null)\s*(?:[,\s]|(?=[\])])))+)[\])]""",
+    re.IGNORECASE,
+)
+"""A name with a list of numbers: `q=[0.1, -0.2]`."""
 _STAMPS = "log time"
 _OPENS = re.compile(r"\s::\s*$")
 """End of a frame's line, below which stands what was decoded of it."""
@@ -53,7 +60,7 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
         lines: Of a text.
         is_whole: Whether the last one has ended.
     """
-    lines = [_MEMBER.sub(r"\1", line) for line in _join_messages(lines)]
+    lines = [_LIST.sub(_label_entries, _MEMBER.sub(r"\1", line)) for line in _join_messages(lines)]
     labels = [len(_LABELLED.findall(line)) for line in lines[:FIRST_LINES]]
     if sum(count >= _FEWEST for count in labels) < 0.5 * len(labels):
         return None
@@ -63,6 +70,14 @@ def tabulate_labelled(lines: Sequence[str], *, is_whole: bool = True) -> list[st
     name, stamps = _read_stamps([line for line, _ in labelled])
     rows = [row | {name: stamp} for row, stamp in zip(rows, stamps, strict=True)] if stamps else rows
     return join_rows(rows)
+
+
+def _label_entries(match: re.Match[str]) -> str:
+    """Each entry of a list with a label of its own, counted from 1; one alone has the name of the list."""
+    name, between, entries = match.groups()
+    numbers = entries.replace(",", " ").split()
+    labels = [name] if len(numbers) == 1 else [f"{name}_{k}" for k in range(1, 1 + len(numbers))]
+    return ", ".join(f"{label}{between}{number}" for label, number in zip(labels, numbers, strict=True))
 
 
 def _join_messages(lines: Sequence[str]) -> Sequence[str]:
@@ -99,7 +114,7 @@ def _read_stamps(lines: Sequence[str]) -> tuple[str, list[str]]:
     The unit that stands behind all of them alike is in the name; the numbers are empty where they do not rise.
     """
     heads = [line[: match.start()] if (match := _LABELLED.search(line)) else line for line in lines]
-    for where, looked_at in ((_FIRST, lines), (_LAST, lines), (_ASIDE, heads)):
+    for where, looked_at in ((_FIRST, lines), (_LAST, lines), (_ASIDE, heads), (_WITHIN, heads)):
         found = [where.search(line) for line in looked_at]
         stamps = [match.group(1).replace(",", ".") for match in found if match is not None]
         units = {match.group(2) for match in found if match is not None}
