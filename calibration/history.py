@@ -1,5 +1,6 @@
 """How the friction of joints goes over weeks: models of one joint in order of time, trends, and when it has changed."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -80,6 +81,7 @@ class JointHistory:
         trends: Of every parameter that all models have, with a deviation.
         comparisons: Of each model but the first with the one before; None where they cannot be compared.
         refusals: Why not, for each of these; empty where they were compared.
+        unit: Of their torque, where other models of the joint are in another one; else empty.
     """
 
     joint: str
@@ -88,11 +90,12 @@ class JointHistory:
     trends: tuple[Trend, ...]
     comparisons: tuple[Change | None, ...]
     refusals: tuple[str, ...] = ()
+    unit: str = ""
 
     @property
     def title(self) -> str:
-        """The joint, and that its diagnoses are followed where it has any."""
-        return f"{self.joint}, diagnoses" if self.diagnosed else self.joint
+        """The joint, that its diagnoses are followed where it has any, and the unit where there are several."""
+        return ", ".join([self.joint, *(["diagnoses"] if self.diagnosed else []), *([self.unit] if self.unit else [])])
 
     @property
     def temperatures(self) -> FloatArray:
@@ -107,7 +110,7 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
     Args:
         folder: Of calibrations, identifications and diagnoses; every `friction.json` counts.
     """
-    kept: dict[tuple[str, bool], list[KeptModel]] = {}
+    kept: dict[tuple[str, bool, str, str], list[KeptModel]] = {}
     left_out = []
     for path in sorted(folder.rglob("friction.json")):
         try:
@@ -115,13 +118,16 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
         except FricompError as error:
             left_out.append(f"{path}: {error}")
             continue
-        others = kept.setdefault((found.model.joint, found.effects is not None), [])
+        model = found.model
+        others = kept.setdefault((model.joint, found.effects is not None, model.torque_unit, model.motion), [])
         same = next((one for one in others if _is_copy(found, one)), None)
         if same is None:
             others.append(found)
         else:
             left_out.append(f"{path}: a copy of {same.path}")
-    return tuple(_follow(*of, models) for of, models in sorted(kept.items())), tuple(left_out)
+    units: dict[tuple[str, bool], int] = Counter(of[:2] for of in kept)
+    histories = [_follow(*of[:3], models, units[of[:2]] > 1) for of, models in sorted(kept.items())]
+    return tuple(histories), tuple(left_out)
 
 
 def _is_copy(one: KeptModel, other: KeptModel) -> bool:
@@ -129,7 +135,8 @@ def _is_copy(one: KeptModel, other: KeptModel) -> bool:
     return one.when == other.when and one.model.law.parameters() == other.model.law.parameters()
 
 
-def _follow(joint: str, diagnosed: bool, models: list[KeptModel]) -> JointHistory:
+def _follow(joint: str, diagnosed: bool, unit: str, models: list[KeptModel], is_one_of_several: bool) -> JointHistory:
+    """The models of a joint in one unit; those in amperes and those in N·m say nothing of each other."""
     ordered = tuple(sorted(models, key=lambda one: one.when))
     days = np.array([(one.when - ordered[0].when).total_seconds() / _DAY for one in ordered])
     estimates = _list_estimates(ordered)
@@ -138,7 +145,9 @@ def _follow(joint: str, diagnosed: bool, models: list[KeptModel]) -> JointHistor
     compared = [_compare(old, new) for old, new in pairwise(ordered)]
     comparisons = tuple(None if isinstance(one, str) else one for one in compared)
     refusals = tuple(one if isinstance(one, str) else "" for one in compared)
-    return JointHistory(joint, diagnosed, ordered, tuple(trends), comparisons, refusals)
+    return JointHistory(
+        joint, diagnosed, ordered, tuple(trends), comparisons, refusals, unit if is_one_of_several else ""
+    )
 
 
 def _list_estimates(models: Sequence[KeptModel]) -> list[Mapping[str, Estimate]]:

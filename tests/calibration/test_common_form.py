@@ -85,3 +85,15 @@ def test_commands_say_as_what_curves_were_compared_and_follow_them(tmp_path: Pat
     (history,), _ = read_histories(tmp_path)
     assert history.refusals == ("", "")
     assert [trend.name for trend in history.trends] == ["coulomb.coulomb_torque", "viscous.viscous_coefficient"]
+
+
+def test_models_in_other_units_are_followed_apart(tmp_path: Path) -> None:
+    for day, unit in enumerate(("A", "N·m", "A", "N·m"), 1):
+        made = Provenance(created=f"2026-03-0{day}T12:00:00")
+        folder = tmp_path / f"{day}"
+        folder.mkdir()
+        save_model(replace(identified("stribeck", day), provenance=made, torque_unit=unit), folder / "friction.json")
+    histories, _ = read_histories(tmp_path)
+    assert [history.title for history in histories] == ["joint, A", "joint, N·m"]
+    assert all(history.refusals == ("",) and len(history.models) == 2 for history in histories)
+    assert {trend.unit for trend in histories[0].trends} <= {"A", "A·s/rad", "rad/s"}

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
-from fricomp.laws import Coulomb, FrictionLaw, SmoothedCoulomb, Viscous
+from fricomp.laws import Cogging, Coulomb, FrictionLaw, SmoothedCoulomb, Viscous
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity, load_model, save_model
 
 DEVIATION = 1e-3
@@ -174,7 +174,7 @@ def test_models_of_two_laws_are_said_to_be_uncompared_and_not_unchanged(tmp_path
     last = tmp_path / "elbow-1" / "friction.json"
     model = load_model(last)
     assert model.covariance is not None
-    other = FrictionLaw((SmoothedCoulomb(0.9, 0.1),))
+    other = FrictionLaw((SmoothedCoulomb(0.9, 0.1), Cogging(0.1, 4.0, 0.0)))  # of the angle as well
     names = tuple(other.parameters())[:2]
     save_model(replace(model, law=other, covariance=replace(model.covariance, names=names)), last)
     done = call(tmp_path, "--out", tmp_path / "watch.html")
