@@ -198,14 +198,17 @@ def _describe_effect(
         parameters[TERMS[term].label] = Quantity(values_tried[variant], unit, around, at_bound=at_end)
     if (filled := TERMS[term].filled) in GEARS:  # the factor on it is one
         width, stiffness, _ = found.equations.gears[filled][joint].tolist()
-        low, high = GearSearch(GearMotion(found.rows, found.fit), filled).bound(found.equations, found.fit, joint)
+        search, of_joint = GearSearch(GearMotion(found.rows, found.fit), filled), (found.equations, found.fit, joint)
+        low, high = search.bound(*of_joint)
         if filled == "gap":
             parameters = {"gap": Quantity(width, position, (low, high))}
-        else:  # below its swing a stiffer gear with a larger factor would do the same
-            share = parameters["share"]
-            least, most = (max(end, 1e-9) for end in share.ci95)
-            value = stiffness / share.value
-            ends = min(low, stiffness / most, value), max(high, stiffness / least, value)
+        else:
+            value, ends = stiffness, (low, high)
+            if not search.is_told_by_swing(*of_joint):  # a stiffer gear with a larger factor would do the same
+                share = parameters["share"]
+                least, most = (max(end, 1e-9) for end in share.ci95)
+                value = stiffness / share.value
+                ends = min(low, stiffness / most, value), max(high, stiffness / least, value)
             parameters = {"stiffness": Quantity(value, f"{torque}/{position}", ends)}
     if term == SPRING:
         parameters["rest_position"] = _find_rest(found, joint, parameters["stiffness"], values["offset"])

@@ -52,7 +52,9 @@ def test_the_stiffness_of_a_gear_on_which_the_load_swings_on_is_told(tmp_path: P
     record = examine_arm(record_swinging(simulation, stiffness, duration=20.0), simulation).record
     assert names_of(record) == _GEAR
     (effect,) = record.joints[_ELBOW].effects
-    assert effect.parameters["stiffness"].value == pytest.approx(stiffness, rel=0.15)
+    told = effect.parameters["stiffness"]
+    assert told.value == pytest.approx(stiffness, rel=0.05)  # over the factor on the swing, a tenth off
+    assert told.ci95[0] <= told.value <= told.ci95[1]
 
 
 def test_files_of_an_elastic_arm_go_less_wrong_than_its_simulation(tmp_path: Path) -> None:

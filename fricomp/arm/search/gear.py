@@ -67,6 +67,10 @@ _TURNS = 2
 _HALF_CHI_SQUARE, _STEP, _WIDEST = 1.92, 1.02, 2.0
 """Half of the 95 % point of χ² of one number, the step in which its ends are looked for, and how far they are."""
 
+_SWUNG = 0.1
+"""Part of what a gear explains that is of a swing at least, where the swing tells its stiffness: what links have wrong
+about gears on which nothing swings moves it by some hundredths."""
+
 _MOST_SHARE = 2.0
 """Ratio by which a stiffness follows the factor on what its gear changes at once: further off, it is another gear."""
 
@@ -269,9 +273,24 @@ class GearSearch:
             fit: Of these equations.
             joint: Number of the joint.
         """
-        judge = JointJudge(equations, fit, joint, fit.residuals(equations)[:, joint], term=self._kind.term)
-        best = self._measure(judge, joint, Gear(*equations.gears[self._filled][joint].tolist()))
+        judge, gear = self._judge(equations, fit, joint)
+        best = self._measure(judge, joint, gear)
         return self._find_end(judge, joint, best, 1.0 / _STEP), self._find_end(judge, joint, best, _STEP)
+
+    def is_told_by_swing(self, equations: ArmEquations, fit: ArmFit, joint: int) -> bool:
+        """Whether the time in which the load of a joint swings tells how stiff its gear is, and not how far it bends.
+
+        Then one that bends as far by a factor of one explains less by far. Arguments as for `bound`.
+        """
+        judge, gear = self._judge(equations, fit, joint)
+        bending = self._measure(judge, joint, self._take_share(gear, fit, joint))
+        return bending.gain < (1.0 - _SWUNG) * self._measure(judge, joint, gear).gain - _HALF_CHI_SQUARE
+
+    def _judge(self, equations: ArmEquations, fit: ArmFit, joint: int) -> tuple[JointJudge, Gear]:
+        """The judge of a joint without its gear, and that."""
+        left = fit.residuals(equations)[:, joint]
+        gear = Gear(*equations.gears[self._filled][joint].tolist())
+        return JointJudge(equations, fit, joint, left, term=self._kind.term), gear
 
     def _find_end(self, judge: JointJudge, joint: int, best: _Tried, ratio: float) -> float:
         """The first that explains less than the interval allows, on steps of a ratio, with other numbers that suit."""

@@ -117,7 +117,8 @@ def _measure_match(fit: ArmFit) -> float:
 
 def _share(beside: Sequence[float]) -> FloatArray:
     """Probabilities of the answer and of others, from logarithms of theirs over its own."""
-    weights = np.exp(np.array([0.0, *beside]))
+    every = np.array([0.0, *beside])
+    weights = np.exp(every - np.max(every))
     return np.asarray(weights / np.sum(weights))
 
 

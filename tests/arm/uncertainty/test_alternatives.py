@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmExamination, examine_arm
-from fricomp.arm.uncertainty.alternatives import find_alternatives
+from fricomp.arm.uncertainty.alternatives import _share, find_alternatives
 from fricomp.arm.uncertainty.averaging import average_links
 from fricomp.arm.uncertainty.scatter import widen_covariance
 from fricomp.laws import FloatArray
@@ -78,3 +78,8 @@ def test_a_link_that_would_do_in_place_of_one_that_is_off_is_told_and_in_the_int
     assert hand.ci95[0] < 1.2 * 0.06 < hand.ci95[1]
     (line,) = (one for one in record.summary if one.startswith("Links that are off"))
     assert f"or {instead[0]} is off in its place" in line
+
+
+def test_what_is_beyond_measure_more_probable_takes_all() -> None:
+    """A gap that links made no law of was e²¹⁴³ times more probable than the answer: no number, and no answer."""
+    assert _share([-1.0, 2143.0, 72.0]) == pytest.approx([0.0, 0.0, 1.0, 0.0])
