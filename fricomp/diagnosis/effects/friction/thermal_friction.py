@@ -43,9 +43,8 @@ class ThermalFriction(Effect):
         slope = EFFECT.step * (viscous + LEAST_VISCOUS * contexts[0].scale) / largest
         level = EFFECT.step * contexts[0].scale / largest
         viscous_slope = EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope)
-        if not recorded:  # an estimated temperature hardly tells a second slope from its own time constant
-            return viscous_slope, HEATING_TIME
-        return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level)
+        coulomb_slope = EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level)
+        return (viscous_slope, coulomb_slope) if recorded else (viscous_slope, coulomb_slope, HEATING_TIME)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{}] if _is_recorded(contexts) else propose_heating_times()
@@ -87,6 +86,7 @@ class _Warmth(HiddenState):
     def __init__(self, context: Context, values: Values) -> None:
         self.context, self.slope, self.time_constant = context, values["viscous_slope"], _read_time_constant(values)
         self.forward, self.reverse = _bound_viscous(context)
+        self.level = values.get("coulomb_slope", 0.0)
 
     def begin(self, sample: int, step: float) -> None:
         warming = warm_by_losses(self.context, self.time_constant)
@@ -97,7 +97,7 @@ class _Warmth(HiddenState):
         self.rise += self.gain * (abs(friction * velocity) / self.mean - self.rise)
         viscous = self.forward if velocity >= 0.0 else self.reverse
         fall = min(max(self.slope * (self.rise - self.usual) / self.unit / viscous, -STRONGEST_FALL), STRONGEST_FALL)
-        return viscous * expm1(-fall) * velocity, 0.0
+        return viscous * expm1(-fall) * velocity, -self.level * (self.rise - self.usual) / self.unit
 
 
 def _read_time_constant(values: Values) -> float:
