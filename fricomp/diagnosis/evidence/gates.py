@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..joint.base import BASE_NAMES, straighten_curves, unpack
-from ..joint.base_fit import get_top_speed
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
@@ -127,7 +126,7 @@ def _find_level(baseline: Baseline) -> float:
     """Coulomb torque of the base [N·m] or [N]: of straight curves where friction that falls over all of the motion has
     taken its place."""
     theta = baseline.fit.theta[: len(BASE_NAMES)]
-    straight = straighten_curves(theta, get_top_speed(baseline.box))
+    straight = straighten_curves(theta, baseline.problem.usual_speed)
     return unpack(theta if straight is None else straight).level
 
 

@@ -117,7 +117,7 @@ def align_falls(theta: FloatArray) -> FloatArray | None:
     return result
 
 
-def straighten_curves(theta: FloatArray, top_speed: float) -> FloatArray | None:
+def straighten_curves(theta: FloatArray, usual_speed: float) -> FloatArray | None:
     """Let friction fall at low speeds only, and be a line beyond; None where it does. Shape (p,).
 
     A fall as wide as the motion is fast has taken the place of the Coulomb torque beside too much viscous drag, in
@@ -125,19 +125,19 @@ def straighten_curves(theta: FloatArray, top_speed: float) -> FloatArray | None:
 
     Args:
         theta: Base parameters, and perhaps those of effects. Shape (p,).
-        top_speed: Of the recordings [rad/s] or [m/s].
+        usual_speed: That the motion hardly exceeds [rad/s] or [m/s].
     """
     result = theta.copy()
     for side in ("forward", "reverse"):
         at = [BASE_NAMES.index(f"{side}.{name}") for name in _CURVE]
         coulomb, excess, width, viscous = theta[at]
-        if excess < JOINT.wide_excess * coulomb or width < np.log(JOINT.wide_fall * top_speed):
+        if excess < JOINT.wide_excess * coulomb or width < np.log(JOINT.wide_fall * usual_speed):
             continue
-        speed = np.linspace(JOINT.wide_fall, 1.0, 20) * top_speed
+        speed = np.linspace(JOINT.wide_fall, 1.0, 20) * usual_speed
         curve = coulomb + excess * np.exp(-((speed / np.exp(width)) ** 2)) + viscous * speed
         slope, level = np.polyfit(speed, curve, 1)
         level, slope = (level, slope) if slope > 0.0 else (float(np.mean(curve)), 0.0)
-        result[at] = level, max(coulomb + excess - level, 0.0), np.log(0.5 * JOINT.wide_fall * top_speed), slope
+        result[at] = level, max(coulomb + excess - level, 0.0), np.log(0.5 * JOINT.wide_fall * usual_speed), slope
     return result if not np.array_equal(result, theta) else None
 
 

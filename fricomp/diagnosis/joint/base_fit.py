@@ -23,7 +23,7 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """Fit the base from `theta` to the bottom of its valley. Where both directions differ much, or friction falls over
     all of the motion, fit again from even directions, falls that are alike and straight curves, and keep the best."""
     fit, *_ = _fit_side_by_side(problem, [theta], box)
-    other = even_directions(fit.theta), align_falls(fit.theta), straighten_curves(fit.theta, get_top_speed(box))
+    other = even_directions(fit.theta), align_falls(fit.theta), straighten_curves(fit.theta, problem.usual_speed)
     others = [box.clip(start) for start in other if start is not None]
     return min([fit, *_fit_side_by_side(problem, others, box)], key=_get_cost)
 
@@ -92,7 +92,7 @@ def fit_creep(problem: Problem, fit: Fit, box: Box) -> tuple[Fit, Box] | None:
         fit: Fit of the base with these weights.
         box: Domain of the base parameters.
     """
-    straight = straighten_curves(fit.theta, get_top_speed(box))
+    straight = straighten_curves(fit.theta, problem.usual_speed)
     about = [fit.theta] if straight is None else [fit.theta, box.clip(straight)]
     proposed = [start for theta in about for start in propose_creep_starts(theta, box)]
     starts, boxes = zip(*proposed, strict=True)
@@ -111,15 +111,15 @@ def fit_creep(problem: Problem, fit: Fit, box: Box) -> tuple[Fit, Box] | None:
     return fit_base(problem, best.theta, free), free
 
 
-def fit_creeping(problem: Problem, theta: FloatArray, box: Box) -> tuple[Fit, Box]:
-    """Fit the base from a joint whose friction creeps. Returns its domain too.
+def fit_known(problem: Problem, theta: FloatArray, box: Box) -> tuple[Fit, Box]:
+    """Fit the base from a joint that is known, whose friction may creep. Returns its domain too.
 
     Args:
         problem: Recordings and weights.
         theta: Base parameters of that joint. Shape (p,).
         box: Domain of the base parameters.
     """
-    free = _free_creep(box, theta)
+    free = _free_creep(box, theta) if theta[_CREEP] > 0.0 else box
     return fit_base(problem.cut_samples_for(unpack(theta)), theta, free), free
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import cycle, islice
 
 import numpy as np
@@ -90,6 +91,14 @@ class Problem:
         """Observe every recording for every plant."""
         flat, n = self.observe(self._list_jobs(plants, contributions)), len(self.tracks)
         return [flat[i : i + n] for i in range(0, len(flat), n)]
+
+    @cached_property
+    def usual_speed(self) -> float:
+        """Speed that the joint hardly exceeds in most of its motion [rad/s] or [m/s]: a few fast strokes say nothing of
+        how far a curve over the speed is known."""
+        speed = np.concatenate([np.abs(track.velocity) for track in self.tracks])
+        slides = speed[speed > self.observer.rest_speed]
+        return float(np.quantile(slides, JOINT.usual_motion)) if slides.size else float(np.max(speed, initial=0.0))
 
     @property
     def count_at_once(self) -> int:

@@ -51,9 +51,11 @@ class JointSettings:
     lost_fall: float = 0.1
     """Part of one direction's static friction below which the other's counts as lost, and the fit is repeated with
     both alike."""
+    usual_motion: float = 0.9
+    """Part of the sliding samples that are slower than the usual top speed."""
     wide_fall: float = 0.2
-    """Part of the top speed from which a fall of the friction is wide: a fit is repeated with lines beyond that. Of
-    two falls that a motion shows equally well, the narrow one is Stribeck's."""
+    """Part of the usual top speed from which a fall of the friction is wide: a fit is repeated with lines beyond
+    that. Of two falls that a motion shows equally well, the narrow one is Stribeck's."""
     wide_excess: float = 0.2
     """Static friction less Coulomb torque, in the latter, below which a fall bends no curve."""
     lowest_stribeck: float = 5e-4

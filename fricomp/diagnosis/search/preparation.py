@@ -18,7 +18,7 @@ from ..effects.time_window import find_time_windows
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray, Track, goes_one_way
 from ..joint.base import BaseModel, unpack
-from ..joint.base_fit import fit_base, fit_creep, fit_creeping, is_loud, try_other_bristle
+from ..joint.base_fit import fit_base, fit_creep, fit_known, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
 from ..joint.observer import Contribution, Observer, Plant
 from ..joint.problem import Problem, build_problem
@@ -114,7 +114,7 @@ def prepare(
     nulls: int,
     seed: int,
     rigid: RigidJoint | None = None,
-    creeps: FloatArray | None = None,
+    known: FloatArray | None = None,
     holds: bool = False,
     start: Plant | None = None,
     tell: Callable[[str], None] = lambda _: None,
@@ -127,7 +127,8 @@ def prepare(
         nulls: Number of nulls.
         seed: Seed of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
-        creeps: Base parameters of the joint, shape (p,), where its friction is known to creep.
+        known: Base parameters from which to fit, shape (p,), where a search has shown them, as those of friction that
+            creeps; None to find them.
         holds: Whether no friction that creeps is tried.
         start: The joint as far as it is known; None for the estimate in weak form.
         tell: Called with a first look at what the base leaves, in a sentence.
@@ -136,8 +137,8 @@ def prepare(
     fit, problem, _ = _reweigh(raw, fit, box, SEARCH.first_nulls, seed)
     tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
-    if creeps is not None:
-        return _settle(raw, *fit_creeping(problem, creeps, box), (nulls, seed), rigid)
+    if known is not None:
+        return _settle(raw, *fit_known(problem, known, box), (nulls, seed), rigid)
     if holds:
         return _settle(raw, fit, box, (nulls, seed), rigid)
     loud = is_loud(fit)

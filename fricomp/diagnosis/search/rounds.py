@@ -12,6 +12,7 @@ from .explanation import Explanation
 from .late_creep import does_creep, find_late_creep
 from .late_joint import find_far_joint, measure_left
 from .late_noise import remeasure_noise
+from .lower_base import find_lower_base
 from .preparation import Baseline
 from .search import SearchResult, search
 from .settings import SEARCH
@@ -22,13 +23,14 @@ Tell = Callable[[str], None]
 def search_in_rounds(
     baseline: Baseline, base: Callable[..., Baseline], seed: int, tell: Tell
 ) -> tuple[Baseline, SearchResult]:
-    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base, or with
-    friction that holds, where creep had stood in for one, from the joint that was found, where such an effect had bent
-    the first estimate, and with the noise that is left beside what was found, where that had passed for noise.
+    """Search for effects; once more from another valley of the base that leaves less, with friction that creeps, where
+    a strong effect hid that from the base, or with friction that holds, where creep had stood in for one, from the
+    joint that was found, where such an effect had bent the first estimate, and with the noise that is left beside what
+    was found, where that had passed for noise.
 
     Args:
         baseline: The base fitted to the recordings.
-        base: Fits it anew; takes `creeps`, `holds` and `start` of `prepare`.
+        base: Fits it anew; takes `known`, `holds` and `start` of `prepare`.
         seed: Seed of the nulls' noise.
         tell: Called with a few words before each round.
 
@@ -36,7 +38,7 @@ def search_in_rounds(
         The base of the last round, and what was found with it.
     """
     tell("searching for effects")
-    found = search(baseline)
+    base, baseline, found = _search_from_lower_base(baseline, search(baseline), base, tell)
     other = _search_with_bristle if does_creep(baseline) else _search_with_creep
     base, baseline, found = other(baseline, found, base, tell)
     baseline, found = _search_from_joint(baseline, found, base, tell)
@@ -45,6 +47,21 @@ def search_in_rounds(
         return baseline, found
     tell("searching again, with the noise that is left")
     return quieter, search(quieter, found.best)
+
+
+def _search_from_lower_base(
+    baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
+) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
+    """Search again from a base that leaves less, to which what was found has led; keep it where it does with weights
+    of its own."""
+    lower = find_lower_base(baseline, found)
+    if lower is None:
+        return base, baseline, found
+    tell("searching again, from a base that leaves less")
+    lowered = partial(base, known=lower)
+    begun = _begin_again(lowered, found.best)
+    kept = begun is not None and begun[0].noise_ratio < baseline.noise_ratio
+    return (lowered, *begun) if begun is not None and kept else (base, baseline, found)
 
 
 def _search_with_creep(
@@ -56,7 +73,7 @@ def _search_with_creep(
     if creeps is None or best is None:
         return base, baseline, found
     tell("searching again, with friction that creeps")
-    creeping = partial(base, creeps=creeps.fit.theta[:N_BASE])
+    creeping = partial(base, known=creeps.fit.theta[:N_BASE])
     begun = _begin_again(creeping, creeps)
     if begun is None:
         return base, baseline, found
@@ -74,7 +91,7 @@ def _search_with_bristle(
     if found.leading is None or measure_left(baseline, found) <= SEARCH.something_left:
         return base, baseline, found
     tell("searching again, with friction that holds")
-    holding = partial(base, holds=True)
+    holding = partial(base, holds=True, known=None)
     begun = _begin_again(holding)
     if begun is None or begun[1].best is None or measure_left(*begun) > SEARCH.something_left:
         return base, baseline, found

@@ -141,7 +141,7 @@ def test_a_direction_that_lost_its_static_friction_gets_that_of_the_other() -> N
 def test_friction_that_falls_over_all_of_the_motion_becomes_a_line_with_a_fall_at_low_speeds() -> None:
     """A Coulomb torque of 3.4 and 1.7 of drag had become a fall with twice the drag, the other direction not."""
     plant = replace(_PLANT, forward=(0.3, 3.3, 0.8, 4.5), reverse=(3.4, 3.7, 0.05, 1.7))
-    straight = straighten_curves(np.append(pack(plant), 7.0), top_speed=1.3)
+    straight = straighten_curves(np.append(pack(plant), 7.0), usual_speed=1.3)
     assert straight is not None
     after, speed = unpack(straight[:-1]), np.linspace(0.3, 1.3, 30)
     coulomb, breakaway, width, viscous = after.forward
@@ -152,4 +152,4 @@ def test_friction_that_falls_over_all_of_the_motion_becomes_a_line_with_a_fall_a
     assert breakaway == pytest.approx(max(3.3, coulomb))
     assert after.reverse == pytest.approx(plant.reverse)
     assert straight[-1] == 7.0
-    assert straighten_curves(straight, top_speed=1.3) is None
+    assert straighten_curves(straight, usual_speed=1.3) is None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.joint.base import BASE_NAMES
-from fricomp.diagnosis.joint.base_fit import fit_creeping, try_other_bristle
+from fricomp.diagnosis.joint.base_fit import fit_known, try_other_bristle
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.joint.settings import JOINT
@@ -58,6 +58,15 @@ def test_a_fit_goes_on_from_friction_that_creeps_and_is_not_ahead(baseline: Base
     theta = baseline.fit.theta.copy()
     creep, lead = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
     theta[[creep, lead]] = 1e-3, 0.0
-    fit, box = fit_creeping(baseline.problem, theta, baseline.box)
+    fit, box = fit_known(baseline.problem, theta, baseline.box)
     assert box.scale[lead] > 0.0
     assert np.all(np.isfinite(fit.jacobian))
+
+
+def test_a_few_fast_strokes_are_not_how_fast_a_joint_usually_is(baseline: Baseline) -> None:
+    """Beside them a fall of the friction over all that the joint did had passed for a narrow one."""
+    (track,), problem = baseline.problem.tracks, baseline.problem
+    fast = np.where(np.arange(track.size) < 0.02 * track.size, 20.0, track.velocity)
+    usual = replace(problem, tracks=(replace(track, velocity=fast),)).usual_speed
+    assert usual == pytest.approx(problem.usual_speed, rel=0.15)
+    assert usual < 2.0

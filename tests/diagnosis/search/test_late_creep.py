@@ -31,7 +31,7 @@ def _search(
     other = replace(baseline)
     found, again = _result(baseline), _result(other)
 
-    def base(creeps: object = None) -> Baseline:
+    def base(known: object = None) -> Baseline:
         if fails is not None:
             raise fails
         return other
