@@ -304,9 +304,13 @@ def unit_for(quantity: str, unit: str) -> str:
     return "" if unit in _SI else unit
 
 
+_AXIS = re.compile(r"[A-Z]\d{1,2}")
+"""A capital and a number, as robots call their axes; no unit is written so."""
+
+
 def read_bracket(text: str) -> str:
-    """The unit in brackets; empty where it is a number or a remark."""
-    spelled = _spell(text)
+    """The unit in brackets; empty where it is a number, a remark, or an axis: `pos[J1]`, `torque (A2)`."""
+    spelled = "" if _AXIS.fullmatch(text.strip()) else _spell(text)
     if spelled.startswith(UNKNOWN_UNIT):
         return UNKNOWN_UNIT
     if not spelled or spelled.isdigit():

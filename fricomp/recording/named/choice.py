@@ -26,6 +26,7 @@ from .column import (
 )
 from .control_path import take_controls
 from .device_unit import is_duty, with_unit_step
+from .joint_path import Candidates, is_complete, separate_paths
 from .position_by_rate import find_position_by_rate, is_rate_of
 from .shared_rest import read_currents, read_shared_rests
 from .two_encoders import pair_encoders
@@ -33,7 +34,6 @@ from .vendor import read_vendor_name, with_vendor_unit
 
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
 """Column and its meaning, by what is left of the column's name for the joint, and by channel."""
-_Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
 
 _NUMBERED_MOTOR = re.compile(r"(?<![A-Za-z])motor[_ ]?\[?\d", re.IGNORECASE)
 _REPEATED = re.compile(rf"{REPEATED}\d+$")
@@ -79,8 +79,8 @@ def list_names(names: Iterable[str]) -> str:
     return ", ".join(names[:20]) + (" …" if len(names) > 20 else "")
 
 
-def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> _Candidates:
-    candidates: _Candidates = {}
+def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> Candidates:
+    candidates: Candidates = {}
     unknown = sorted(set(channels) - set(CHANNELS))
     if unknown:
         raise RecordingError(f"there is no channel {unknown[0]!r} for --channel: valid are {', '.join(CHANNELS)}")
@@ -108,7 +108,7 @@ def _find_candidates(path: Path, columns: Mapping[str, Samples], channels: Mappi
         meaning = with_unit_step(name, with_vendor_unit(name, meaning, columns), values)
         own = candidates.setdefault(simplify_joint(meaning.joint), {})
         own.setdefault(meaning.channel, []).append((name, meaning))
-    return {joint: own for each in candidates.items() for joint, own in _separate_paths(*each).items()}
+    return {joint: own for each in candidates.items() for joint, own in separate_paths(*each).items()}
 
 
 def _take_numbered_motors(known: Mapping[str, ColumnMeaning]) -> dict[str, ColumnMeaning]:
@@ -128,25 +128,25 @@ def _is_numbered_motor(name: str, meaning: ColumnMeaning) -> bool:
     return meaning.channel == "motor_position" and _NUMBERED_MOTOR.search(name) is not None
 
 
-def _drop_shared_words(candidates: _Candidates) -> _Candidates:
+def _drop_shared_words(candidates: Candidates) -> Candidates:
     """Joints without the words that stand in the names of all of a channel, where no joint is complete with them.
 
     Beside `q_1` and `q_2`, `motor_torque_1` and `motor_torque_2` are of 1 and 2: what all say tells none from another.
     """
-    if any(_is_complete(own) for own in candidates.values()):
+    if any(is_complete(own) for own in candidates.values()):
         return candidates
     called: dict[str, list[list[str]]] = {}
     for joint, own in candidates.items():
         for channel in own:
             called.setdefault(channel, []).append(joint.split("_"))
     shared = {channel: set(names[0]).intersection(*names) for channel, names in called.items() if len(names) > 1}
-    dropped: _Candidates = {}
+    dropped: Candidates = {}
     for joint, own in candidates.items():
         for channel, found in own.items():
             left = "_".join(word for word in joint.split("_") if word not in shared.get(channel, ()))
             named = [(name, replace(meaning, joint=left)) for name, meaning in found]
             dropped.setdefault(left, {}).setdefault(channel, []).extend(named)
-    return dropped if sum(map(_is_complete, dropped.values())) > 1 else candidates
+    return dropped if sum(map(is_complete, dropped.values())) > 1 else candidates
 
 
 def _refuse_repeated(path: Path, known: Mapping[str, ColumnMeaning], channels: Mapping[str, str]) -> None:
@@ -165,24 +165,6 @@ def _refuse_repeated(path: Path, known: Mapping[str, ColumnMeaning], channels: M
             f"{path}: {len(alike)} columns are called {called!r} and hold other numbers: say which is "
             f"meant, counted from the left, by {said}"
         )
-
-
-def _separate_paths(joint: str, own: dict[str, list[tuple[str, ColumnMeaning]]]) -> _Candidates:
-    """Joints of one name that stand in different paths, such as those of two arms: each with a path before its name.
-
-    Only where each of them has all that a joint needs: else they are of one joint, and one is chosen.
-    """
-    if not joint or max(map(len, own.values())) < 2:
-        return {joint: own}
-    apart: _Candidates = {}
-    for channel, found in own.items():
-        for name, meaning in found:
-            path = re.split(r"[/.]", name[: max(name.rfind(mark) for mark in "/.") + 1].rstrip("/."))
-            before = path[-2] if len(path) > 1 and simplify_joint(path[-1]) == joint else ""
-            longer = f"{before}_{meaning.joint}" if before else meaning.joint
-            each = apart.setdefault(simplify_joint(longer), {})
-            each.setdefault(channel, []).append((name, replace(meaning, joint=longer)))
-    return apart if len(apart) > 1 and all(map(_is_complete, apart.values())) else {joint: own}
 
 
 def _read_by_unit(name: str, by_word: Collection[str]) -> ColumnMeaning | None:
@@ -212,13 +194,13 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
     return None
 
 
-def _choose_joints(candidates: _Candidates) -> _Candidates:
+def _choose_joints(candidates: Candidates) -> Candidates:
     """The joints that are meant: those with names of their own; of one joint alone the columns may name none."""
     named = {joint: own for joint, own in candidates.items() if joint and "position" in own}
-    if any(_is_complete(own) for own in named.values()):
+    if any(is_complete(own) for own in named.values()):
         return named
     alone = candidates.get("", {})
-    if _is_complete(alone):
+    if is_complete(alone):
         return {"": alone}
     for channel in ("position", "motor_position", "velocity"):
         moved = [joint for joint, own in candidates.items() if channel in own]
@@ -229,11 +211,7 @@ def _choose_joints(candidates: _Candidates) -> _Candidates:
     return {}
 
 
-def _is_complete(own: Mapping[str, object]) -> bool:
-    return "position" in own and ("torque" in own or "current" in own)
-
-
-def _gather(candidates: _Candidates, joint: str) -> dict[str, list[tuple[str, ColumnMeaning]]]:
+def _gather(candidates: Candidates, joint: str) -> dict[str, list[tuple[str, ColumnMeaning]]]:
     """All channels of the only joint that moves: what its columns do not have is taken from those of other names."""
     own = dict(candidates[joint])
     for other, channels in candidates.items():
@@ -243,7 +221,7 @@ def _gather(candidates: _Candidates, joint: str) -> dict[str, list[tuple[str, Co
     return own
 
 
-def _with_temperature(candidates: _Candidates, wanted: _Candidates) -> _Candidates:
+def _with_temperature(candidates: Candidates, wanted: Candidates) -> Candidates:
     """The joint with the motor's temperature, where there is one alone: `Motortemperatur`, `temp_c`, `temp_motor`.
 
     Of several the one that is called as a motor's is meant; that of a room or of electronics says nothing of friction.

@@ -3,14 +3,14 @@
 from dataclasses import replace
 
 from .column import REFERENCES, ColumnMeaning
+from .joint_path import Candidates
 
 _CONTROL = "control"
 _STATS = ("", "stats", "status", "telemetry", "query")
 """Last words of a path that holds what was measured, which tell no joint from another."""
-_Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
 
 
-def take_controls(candidates: _Candidates) -> _Candidates:
+def take_controls(candidates: Candidates) -> Candidates:
     """The columns of each joint, where those of its control are what it was asked for, and none of another joint.
 
     What they do not say of their unit is that of the measured column.

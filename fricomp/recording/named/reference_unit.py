@@ -1,5 +1,6 @@
 """References without a unit beside a measured column with one: `pos_cmd` beside `pos_deg`."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from fricomp.recording.validity import Samples
 from .column import REFERENCES, ColumnMeaning
 from .unstated import SURE
 
+_OF_TURNING, _OF_SLIDING = ("deg/s", "rpm", "turns/s"), ("mm/s",)
+"""Units that velocities are in beside those of SI."""
 _NEARER = 0.3
 """Part of the distance between reference and measured values that another unit has to leave, to be the one."""
 
@@ -29,21 +32,38 @@ def settle_references(
     """
     said = []
     for channel, asked in REFERENCES.items():
-        if asked not in own or channel not in own or asked not in recording.channels:
+        if asked not in own or asked not in recording.channels or own["torque"][0] == own[asked][0]:
             continue
-        (measured, known), (column, meaning) = own[channel], own[asked]
-        is_stated = meaning.unit or meaning.certainty >= SURE or find_unit_words(column, -1)
-        factor = find_unit(known.unit).factor * known.scale if known.unit else 1.0
+        column, meaning = own[asked]
+        if meaning.unit or meaning.certainty >= SURE or find_unit_words(column, -1):
+            continue
+        measured, by, units = _find_measured(channel, recording, own)
         values = recording.channels[asked]
-        if is_stated or factor == 1.0 or own["torque"][0] == column:
-            continue
-        if _measure_distance(factor * values, recording.channels[channel]) < _NEARER * _measure_distance(
-            values, recording.channels[channel]
-        ):
-            recording = recording.with_channels(**{asked: factor * values})
-            own[asked] = (column, replace(meaning, unit=known.unit, scale=known.scale))
-            said.append(f"{path.name}: {column!r} was taken to be in {known.unit}, by {measured!r}.")
+        left = {name: _measure_distance(factor * values, measured) for name, factor in units.items()}
+        unit = min(left, key=lambda name: left[name], default="")
+        if unit and left[unit] < _NEARER * _measure_distance(values, measured):
+            recording = recording.with_channels(**{asked: units[unit] * values})
+            own[asked] = (column, replace(meaning, unit=unit, scale=units[unit] / find_unit(unit).factor))
+            said.append(f"{path.name}: {column!r} was taken to be in {unit}, by {by!r}.")
     return recording, said
+
+
+def _find_measured(
+    channel: str, recording: Recording, own: Mapping[str, tuple[str, ColumnMeaning]]
+) -> tuple[Samples, str, dict[str, float]]:
+    """What was measured, the name of its column, and what one of each unit that a reference may be in is in SI.
+
+    That is the unit of the measured column; beside no velocity that of any, by the rate of the position.
+    """
+    if channel in own and channel in recording.channels:
+        column, meaning = own[channel]
+        worth = find_unit(meaning.unit).factor * meaning.scale if meaning.unit else 1.0
+        return recording.channels[channel], column, {} if worth == 1.0 else {meaning.unit: worth}
+    if channel != "velocity":
+        return np.zeros(len(recording)), "", {}
+    units = _OF_TURNING if recording.metadata.motion == "rotary" else _OF_SLIDING
+    rate = np.gradient(recording.position, recording.time)
+    return rate, own["position"][0], {unit: find_unit(unit).factor for unit in units}
 
 
 def _measure_distance(reference: Samples, measured: Samples) -> float:

@@ -237,3 +237,15 @@ def test_numbers_of_fixed_places_may_touch(names: tuple[str, ...], tmp_path: Pat
     columns = read_unnamed_columns(path)
     assert columns["2"] == pytest.approx(POSITION, abs=1e-8)
     assert columns["3"] == pytest.approx(TORQUE, abs=1e-8)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(30.0 / np.pi, "rpm"), (180.0 / np.pi, "deg/s"), (1.0, "")])
+def test_a_velocity_asked_for_is_read_by_the_rate_of_the_position(factor: float, unit: str, tmp_path: Path) -> None:
+    path, wanted = tmp_path / "log.csv", np.gradient(POSITION, TIME) + 0.02
+    rows = [
+        f"{t:.6f},{q:.9f},{factor * w:.9f},{u:.9f}" for t, q, w, u in zip(TIME, POSITION, wanted, TORQUE, strict=True)
+    ]
+    path.write_text("\n".join(["t,q_rad,speed_cmd,torque", *rows]) + "\n", encoding="utf-8")
+    log = read(path)
+    assert log.recordings[0].velocity_reference == pytest.approx(wanted, abs=1e-6)
+    assert any(f"'speed_cmd' was taken to be in {unit}, by 'q_rad'" in note for note in log.notes) is bool(unit)

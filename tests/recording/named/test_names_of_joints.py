@@ -144,6 +144,9 @@ def name_columns(*names: str) -> dict[str, Samples]:
     return {"t": TIME} | {name: np.sin((2 + k) * TIME) for k, name in enumerate(names)}
 
 
+_OF_ARMS = (("q", ""), ("dq", " [rad/s]"), ("tau", ""))
+
+
 @pytest.mark.parametrize(
     ("names", "joints"),
     [
@@ -284,3 +287,36 @@ def test_torques_of_motors_and_gears_beside_positions_are_not_taken_for_each_oth
     np.savetxt(path, columns, delimiter=",", header=",".join(names), comments="")
     with pytest.raises(RecordingError, match="does not say where the torque"):
         read_named_log(path)
+
+
+@pytest.mark.parametrize(
+    ("names", "joints"),
+    [
+        (("pos(A1)", "pos(A2)", "torque(A1)", "torque(A2)"), ["A1", "A2"]),
+        (("Position[J1] [rad]", "Position[J2] [rad]", "Torque[J1] [Nm]", "Torque[J2] [Nm]"), ["joint_1", "joint_2"]),
+        (
+            ("left/elbow_pos (rad)", "right/elbow_pos (rad)", "left/elbow_effort", "right/elbow_effort"),
+            ["left_elbow", "right_elbow"],
+        ),
+        (
+            tuple(f"{word}_{arm}/elbow{unit}" for word, unit in _OF_ARMS for arm in ("left", "right")),
+            ["left_elbow", "right_elbow"],
+        ),
+    ],
+)
+def test_axes_in_brackets_and_paths_tell_joints_apart(
+    names: tuple[str, ...], joints: list[str], tmp_path: Path
+) -> None:
+    time = np.arange(600) / 200.0
+    angles = [np.sin(time), 0.7 * np.sin(1.7 * time)]
+    of_channel = (lambda q: q, lambda q: np.gradient(q, time), lambda q: 0.4 * q + 0.2)
+    kinds = (0, 2) if len(names) == 4 else (0, 1, 2)
+    columns = [time, *(of_channel[kind](q) for kind in kinds for q in angles)]
+    path = tmp_path / "log.csv"
+    head = ",".join(["time", *names])
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=head, comments="", fmt="%.9f")
+    log = read_named_log(path)
+    assert [one.metadata.joint for one in log.recordings] == joints
+    for recording, angle in zip(log.recordings, angles, strict=True):
+        assert recording.position == pytest.approx(angle, abs=1e-8)
+        assert recording.torque == pytest.approx(0.4 * angle + 0.2, abs=1e-8)
