@@ -182,6 +182,9 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
     pruning = Pruning(prior)
+    if any(form.geared and "torque_delay" in form.names for form in fit.model.forms):
+        # A gear that gives way is the second derivative of a torque, and so is what a term linear in a delay leaves.
+        fit, equations = refine_delays(rows, equations, fit, prior)
     while True:
         widened = widen_covariance(fit, equations, rows)
         less = pruning.find_less(rows, equations, fit, widened)

@@ -22,7 +22,7 @@ from .arm_recording import ArmRecording
 from .coordinates import ArmModel
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
-from .friction import GEARS
+from .friction import GEARS, TERMS
 from .glance import Glance
 from .physics import is_physical, is_whole
 from .prior import ArmPrior
@@ -57,6 +57,8 @@ _GLANCE, LOOK_STEPS = 2, 15
 
 _GLANCE_ERROR = 3.0
 """By how much a glance may be wrong about the logarithm of a Bayes factor: links are not linear."""
+
+_DELAY = "torque_delay"
 
 EVIDENCE = 6.0
 """Logarithm of the least Bayes factor by which something is taken in: a probability of 0.998 at even odds."""
@@ -253,7 +255,11 @@ def _try_out(
     trials: dict[str, float],
     barred: frozenset[str],
 ) -> list[tuple[str, ArmFit]]:
-    """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
+    """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed.
+
+    No delay of a joint where a gear would explain more and is not the law that it should be, as one on which a load
+    bounces to and fro: joints feel at other times what is behind it.
+    """
     glance, early = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
     is_early = partial(early.shows, glance=glance)
     proposed = [(name, other) for name, other in propose_models(fit.arm, fit.model) if name not in barred]
@@ -267,15 +273,20 @@ def _try_out(
             (name, fit_arm(fit.arm, equations, other, prior, fit, steps=_count_steps(fit, other)))
             for name, other, _ in now
         ]
-        tried = [
-            (name, one)
-            for name, one in tried
-            if is_physical(one, fit, is_early) and _is_possible(one, fit) and not _is_torn(one, fit, early)
-        ]
-        if tried:
-            return tried
+        tried = [(name, one) for name, one in tried if is_physical(one, fit, is_early)]
+        possible = [(name, one) for name, one in tried if _is_possible(one, fit) and not _is_torn(one, fit, early)]
+        if possible:
+            return possible
         open_ones = [each for each in open_ones if each not in now]
+        if any(TERMS[name].filled in GEARS for _, one in tried for _, name in _list_added(one.model, fit.model)):
+            open_ones = [each for each in open_ones if not each[0].endswith(f": {_DELAY}")]
     return []
+
+
+def _list_added(model: ArmModel, before: ArmModel) -> list[tuple[int, str]]:
+    """Numbers of joints and the names of the terms by which a model is another one than before."""
+    pairs = enumerate(zip(model.forms, before.forms, strict=True))
+    return [(j, form.names[-1]) for j, (form, old) in pairs if form != old]
 
 
 def _is_possible(one: ArmFit, before: ArmFit) -> bool:
@@ -283,15 +294,13 @@ def _is_possible(one: ArmFit, before: ArmFit) -> bool:
 
     A gear of a joint that is rigid comes with some other stiffness and a small part of what that would do.
     """
-    pairs = enumerate(zip(one.model.forms, before.model.forms, strict=True))
-    added = [(j, form.names[-1]) for j, (form, old) in pairs if form != old]
+    added = _list_added(one.model, before.model)
     return all(is_curve(one, j) if name == "stribeck" else is_whole(one, j, name) for j, name in added)
 
 
 def _is_torn(one: ArmFit, before: ArmFit, early: EarlyTorques) -> bool:
     """Whether a delay that was added to a joint is one that its links and its friction contradict each other about."""
-    pairs = enumerate(zip(one.model.forms, before.model.forms, strict=True))
-    return any(early.is_torn(j) for j, (form, old) in pairs if form != old and form.names[-1] == "torque_delay")
+    return any(early.is_torn(j) for j, name in _list_added(one.model, before.model) if name == _DELAY)
 
 
 def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:
@@ -301,11 +310,7 @@ def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:
     has beyond links that may weigh anything.
     """
     gain = glance.measure_gain(other)
-    scaled = [
-        j
-        for j, (form, before) in enumerate(zip(other.forms, model.forms, strict=True))
-        if form != before and form.terms[-1][0] == "torque_gain_error"
-    ]
+    scaled = [j for j, name in _list_added(other, model) if name == "torque_gain_error"]
     if not scaled:
         return gain
     free = frozenset(range(scaled[0], glance.n_links)) | model.opened
