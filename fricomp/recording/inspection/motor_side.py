@@ -8,6 +8,7 @@ from fricomp.recording.named.head_fact import HeadFact, read_head_facts
 from fricomp.recording.unit import find_unit
 
 _SCALE = re.compile(r", scale = ([^,}]+?)(?= \}|,)")
+_NUMBER = re.compile(r"[\d.]+(?:e[+-]?\d+)?")
 _UNIT = re.compile(r', unit = "([^"]*)"')
 """What a rule says of the size of its column's numbers."""
 
@@ -38,8 +39,10 @@ def bring_rule_to_joint(path: Path, rule: str) -> str:
         return rule
     if scale == "6.2832/COUNTS_A_TURN":
         scale = f"6.2832/(COUNTS_A_TURN*{'RATIO' if fact is None else f'{fact.value:.9g}'})"
+    elif fact is not None and _NUMBER.fullmatch(scale):
+        scale = f"{float(scale) / fact.value:.9g}"
     else:
-        scale = f"{scale}/RATIO" if fact is None else f"{float(scale) / fact.value:.9g}"
+        scale = f"{scale}/RATIO"
     return f"{rule[: said.start(1)]}{scale}{rule[said.end(1) :]}{'; ' if '#' in rule else '  # '}{by}"
 
 
@@ -56,8 +59,9 @@ def remark_on_torque(path: Path, rule: str, column: str) -> str:
     facts, meaning = read_head_facts(path), read_column_name(column)
     fact, constant = facts.get("RATIO"), facts.get("KT")
     is_current = meaning is not None and meaning.channel == "current"
-    if constant is not None and is_current and rule.endswith(" }") and "VALUE_OF_ONE" not in rule:
-        step, unit = _SCALE.search(rule), _UNIT.search(rule)
+    step, unit = _SCALE.search(rule), _UNIT.search(rule)
+    is_known = step is None or _NUMBER.fullmatch(step.group(1)) is not None  # and no part of a rating to be said
+    if constant is not None and is_current and rule.endswith(" }") and is_known:
         one = (float(step.group(1)) if step else 1.0) * find_unit(unit.group(1) if unit else "A").factor
         said, scale = name_joint_scale(constant.value * one, constant, fact)
         bare = _UNIT.sub("", _SCALE.sub("", rule)).removesuffix(" }")

@@ -249,3 +249,13 @@ def test_a_velocity_asked_for_is_read_by_the_rate_of_the_position(factor: float,
     log = read(path)
     assert log.recordings[0].velocity_reference == pytest.approx(wanted, abs=1e-6)
     assert any(f"'speed_cmd' was taken to be in {unit}, by 'q_rad'" in note for note in log.notes) is bool(unit)
+
+
+@pytest.mark.parametrize("names", ["motor angle [rad],current [‰]", "motor position [counts],motor current [%]"])
+def test_a_current_in_parts_of_its_rating_beside_a_constant_is_asked_about(names: str, tmp_path: Path) -> None:
+    above = ("# gear ratio: 50", "# Kt = 0.05 Nm/A", f"time [s],{names}")
+    path = tmp_path / "log.csv"
+    counts, parts = np.round(1e4 * POSITION), np.round(1e3 * TORQUE)
+    rows = [f"{t:.6f},{a:.0f},{b:.0f}" for t, a, b in zip(TIME, counts, parts, strict=True)]
+    path.write_text("\n".join([*above, *rows]) + "\n", encoding="utf-8")
+    assert "scale = RATED/" in inspect_log(path).guess
