@@ -27,6 +27,7 @@ from ..answer import ArmAnswer
 from ..confirmation import without_terms
 from ..coordinates import ArmModel
 from ..fit import ArmFit, fit_arm
+from ..friction import GEARS, TERMS
 from ..identification import ArmIdentification
 from ..matter import LEAST_MATTER
 from ..prior import ArmPrior
@@ -222,9 +223,11 @@ def _say_files(joints: Sequence[JointRecord]) -> tuple[str, ...]:
     for joint, files in known:
         lines += _say_worse(joint, files)
         if files.torque > _WORSE * files.torque_fit:
+            geared = any(TERMS[one.name].filled in GEARS for one in joint.effects if one.name in TERMS)
+            lacking = ", and no gear that gives way" if geared else ""
             lines.append(
-                f"{joint.name}: the files hold less than the fit; their held-out torque error is {files.torque:.3g} "
-                f"{joint.unit}, that of the fit {files.torque_fit:.3g} {joint.unit}."
+                f"{joint.name}: the files hold less than the fit{lacking}; their held-out torque error is "
+                f"{files.torque:.3g} {joint.unit}, that of the fit {files.torque_fit:.3g} {joint.unit}."
             )
     return tuple(lines)
 

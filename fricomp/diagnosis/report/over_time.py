@@ -71,11 +71,13 @@ def draw_time_chart(
         changes: Times at which the size of the residual changes [s].
     """
     noise = 1.96 * series.spread
+    time, before, after, velocity, position = _break_at_gaps(
+        series.time, series.before, series.after, series.velocity, series.position
+    )
     marks: list[Mark] = [Band(series.time, -noise, noise, "noise (95 %)", color=NOISE)]
-    sides = ((series.before, BEFORE), (series.after, AFTER))
+    sides = ((before, BEFORE), (after, AFTER))
     marks += [
-        Line(series.time, rows, name, color=color, width=1.0)
-        for name, (rows, color) in zip(models, sides, strict=False)
+        Line(time, rows, name, color=color, width=1.0) for name, (rows, color) in zip(models, sides, strict=False)
     ]
     marks += [Rule(time, "x", "its size changes" if i == 0 else "", color=4) for i, time in enumerate(changes)]
     residual = Panel(
@@ -85,10 +87,8 @@ def draw_time_chart(
         "Measured less simulated torque",
         y_range=_find_range([rows for rows, _ in sides[: len(models)]], noise),
     )
-    motion = Panel(
-        (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.label_axis("velocity"), "Motion"
-    )
-    place = Panel((Line(series.time, series.position, color=3, width=1.0),), "time [s]", units.label_axis("position"))
+    motion = Panel((Line(time, velocity, color=2, width=1.0),), "time [s]", units.label_axis("velocity"), "Motion")
+    place = Panel((Line(time, position, color=3, width=1.0),), "time [s]", units.label_axis("position"))
     return Chart(
         f"over-time-{number}",
         f"Residual of the fit over time: {series.name}",
@@ -100,6 +100,13 @@ def draw_time_chart(
         panel_height=230,
         share_x=True,
     )
+
+
+def _break_at_gaps(time: FloatArray, *columns: FloatArray) -> tuple[FloatArray, ...]:
+    """Times and columns with a value of none in each gap between rows: a line across it would be no data."""
+    steps = np.diff(time)
+    after = np.flatnonzero(steps > REPORT.gap * np.median(steps)) + 1 if steps.size else np.zeros(0, dtype=np.intp)
+    return np.insert(time, after, time[after - 1]), *(np.insert(one, after, np.nan) for one in columns)
 
 
 def _find_range(rows: Sequence[FloatArray], noise: FloatArray) -> tuple[float, float]:

@@ -12,6 +12,7 @@ class ReportSettings:
     Attributes:
         recordings: Recordings that are drawn over time.
         rivals: Explanations that are drawn and listed.
+        gap: Ratio of a step between rows to the usual one from which no line is drawn over it.
         joints: Joints in the map of a fleet; all of them are in its table.
         fewest: Rows of a bin that still say something about its mean.
         fewest_of_plane: The same of a cell of a plane, of which there are many.
@@ -26,6 +27,7 @@ class ReportSettings:
 
     recordings: int = 6
     rivals: int = 14
+    gap: float = 10.0
     joints: int = 300
     fewest: int = 8
     fewest_of_plane: int = 3
