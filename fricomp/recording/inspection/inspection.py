@@ -1,7 +1,7 @@
 """What a log seems to hold: each column, what it is taken for and why, and what speaks against it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -114,7 +114,7 @@ def _with_facts_of_file(path: Path, log: NamedLog) -> NamedLog:
     (recording,) = log.recordings
     sources = {metadata.joint: log.sources[recording.metadata.joint]}
     own = Recording.from_channels(dict(recording.channels), metadata)
-    return NamedLog((own,), sources, log.notes, log.findings)
+    return replace(log, recordings=(own,), sources=sources)
 
 
 def _read_columns(path: Path) -> tuple[dict[str, Samples], NamedLog | None, str]:

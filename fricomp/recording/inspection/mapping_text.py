@@ -31,7 +31,10 @@ def render_mapping(path: Path, log: NamedLog, findings: Mapping[str, Sequence[Fi
         findings: What the checks say, by joint: an error stands as a remark behind the column that has it.
     """
     layout = read_layout(path) if path.is_file() and is_text(path) else None
-    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", "", *describe_source(path, layout)]
+    lines = [f"# {path.name}, as the names of its columns say; edit what is wrong", ""]
+    lines += ["skip_bad_rows = true", ""] if any(len(one) < log.rows for one in log.recordings) else []
+    lines += describe_source(path, layout)
+    layout = None if layout is not None and _has_names_of_its_own(log, layout) else layout
     joints = {name: dict(columns) for name, columns in log.sources.items()}
     metadata = log.recordings[0].metadata
     facts = {"torque_unit": metadata.torque_unit, "motion": metadata.motion, "torque_kind": metadata.torque_kind}
@@ -57,6 +60,15 @@ def render_mapping(path: Path, log: NamedLog, findings: Mapping[str, Sequence[Fi
             column, meaning = columns["torque"]
             lines.append(_render_torque(path, table, render_column(column, layout), meaning))
     return "\n".join(lines) + "\n"
+
+
+def _has_names_of_its_own(log: NamedLog, layout: TextLayout) -> bool:
+    """Whether some column is called as no line of the file has it: all are called so then, and have no numbers."""
+    used = {column for columns in log.sources.values() for column, _ in columns.values()}
+    index = {"time"} if layout.names and not layout.names[0] else set()
+    said = {*layout.names, *index, INTEGRAL}
+    is_joined = any(mark in column for column in used for mark in (AT_RATE, *PARTS_OF_SECONDS.values()))
+    return bool(layout.names) and not is_joined and not used <= said
 
 
 def _render_torque(path: Path, table: str, column: str, meaning: ColumnMeaning) -> str:

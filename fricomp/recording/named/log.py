@@ -49,12 +49,14 @@ class NamedLog:
         sources: Column of each channel, by the joint's name in its recording; `time` is of all.
         notes: What was taken for what, and what was left out, in sentences.
         findings: Of all joints' rows.
+        rows: Number of those of the file.
     """
 
     recordings: tuple[Recording, ...]
     sources: Mapping[str, Mapping[str, tuple[str, ColumnMeaning]]]
     notes: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+    rows: int = 0
 
 
 def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row_rate: float | None = None) -> NamedLog:
@@ -138,7 +140,7 @@ def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mappin
     notes += say_left_out(path, columns, sources)
     unsaid = [say_missing_unit(path, one, sources[one.metadata.joint], len(recordings)) for one in recordings]
     notes += unsaid[0]
-    return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
+    return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings), time.size)
 
 
 def _build(

@@ -17,6 +17,8 @@ from fricomp.recording.named.log import NamedLog, read_named_log
 from fricomp.recording.named.source import read_unnamed_columns
 from fricomp.recording.sources.printed.plain_table import as_table
 
+from .proposed_mapping import convert_by_proposal
+
 TIME = np.arange(900) / 300.0
 POSITION = 1.1 * np.sin(2.7 * TIME) + 0.2 * np.sin(7.1 * TIME)
 TORQUE = 0.4 * np.sign(np.cos(2.7 * TIME)) + 0.7 * POSITION
@@ -259,3 +261,20 @@ def test_a_current_in_parts_of_its_rating_beside_a_constant_is_asked_about(names
     rows = [f"{t:.6f},{a:.0f},{b:.0f}" for t, a, b in zip(TIME, counts, parts, strict=True)]
     path.write_text("\n".join([*above, *rows]) + "\n", encoding="utf-8")
     assert "scale = RATED/" in inspect_log(path).guess
+
+
+def test_a_proposed_mapping_leaves_out_the_rows_that_the_reading_leaves_out(tmp_path: Path) -> None:
+    path = write(tmp_path / "log.csv", "{t:.6f},{q:.9f},{u:.9f}", "time,position_rad,torque_Nm")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines[40:43] = [line.rpartition(",")[0] + ",NaN" for line in lines[40:43]]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert len(convert_by_proposal(path, tmp_path)) == TIME.size - 3
+
+
+def test_a_proposed_mapping_of_names_that_no_line_has_is_followed(tmp_path: Path) -> None:
+    names = "%time,field.header.seq,field.name0,field.position0,field.effort0"
+    form = "1710460790{k:03d}000000,{k},elbow,{q:.9f},{u:.9f}"
+    path = write(tmp_path / "echo.csv", form, names)
+    recording = convert_by_proposal(path, tmp_path)
+    assert recording.metadata.joint == "elbow"
+    assert recording.position == pytest.approx(POSITION, abs=1e-8)
