@@ -104,6 +104,8 @@ class EffectSettings:
     """Distance below which two states count as the same, in the ranges of position, speed and acceleration."""
     visited_share: float = 0.4
     """Part of the windows' rows whose state must occur outside as well."""
+    visited_pairs: float = 0.8
+    """Part of the rows of the windows that must, where less than that share does, by any two of the three."""
     visited_energy: float = 0.1
     """Part of their energy that must lie at positions, speeds and accelerations that occur outside as well. Stops
     that are met once have 0.00 to 0.01, and pushes 0.31 and more."""

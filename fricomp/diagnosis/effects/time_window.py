@@ -99,11 +99,22 @@ def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], insi
     states = _collect_states(problem, contexts)
     stretch, count = label(inside)
     pulls = np.append(0.0, np.sign(sum_labels(left, stretch, np.arange(1, count + 1))))[stretch]
-    if float(np.mean(_find_near(states, pulls))) <= EFFECT.visited_share:
+    if float(np.mean(_find_near(states, pulls))) <= EFFECT.visited_share and not _are_pairs_near(states, pulls):
         return False
     energy = left[inside] ** 2
     least = EFFECT.visited_energy * float(energy.sum())
     return all(float(energy @ _find_near(state[:, None], pulls)) > least for state in states.T)
+
+
+def _are_pairs_near(states: FloatArray, pulls: FloatArray) -> bool:
+    """Whether nearly all rows inside have some nearby that are outside, or pull the other way, by any two of position,
+    speed and acceleration, where the direction alone stands for the speed at a position.
+
+    A motion of several sines comes to no state of three numbers twice, and a law of the joint depends on two of them.
+    """
+    position, velocity, acceleration = states.T
+    pairs = (position, np.sign(velocity)), (velocity, acceleration), (position, acceleration)
+    return all(float(np.mean(_find_near(np.stack(pair, axis=1), pulls))) > EFFECT.visited_pairs for pair in pairs)
 
 
 def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:

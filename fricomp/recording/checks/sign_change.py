@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design, fit_motion
 from fricomp.recording.finding import Finding
@@ -68,7 +69,16 @@ def _locate_turns(motion: BlockMotion, torque: Samples, *, rotary: bool) -> list
     left = [compute_rms(one - basis @ (basis.T @ one)) for one in signed]
     if min(left) > _LEAVES * left[0]:
         return []
-    return next(turns for turns, now in zip(tried, left, strict=True) if min(left) >= _LEAVES * now)
+    turns, now = next((turns, now) for turns, now in zip(tried, left, strict=True) if min(left) >= _LEAVES * now)
+    return turns if now < _measure_left_beside_pushes(basis, target, turns) else []
+
+
+def _measure_left_beside_pushes(basis: Samples, target: Samples, turns: list[int]) -> float:
+    """What the torque leaves where it has one sign, and another constant torque acts between these rows: a push that
+    moves the joint looks like friction that drives."""
+    parts = [np.ones(part.size) for part in np.split(target, turns)]
+    pushed = np.linalg.qr(np.column_stack([basis, block_diag(*parts).T]))[0]
+    return compute_rms(target - pushed @ (pushed.T @ target))
 
 
 def _place_pair(basis: Samples, target: Samples) -> list[int]:

@@ -62,3 +62,12 @@ def test_what_a_turned_sign_explains_is_not_told_beside_it() -> None:
     log = joint_log(24.0, 250.0, 3)
     (found,) = [one.code for one in check_recording(_turn(log, 0.3, 2.0)) if one.severity == "error"]
     assert found == "sign_change"
+
+
+@pytest.mark.parametrize(("push", "start"), [(-2.0, 4.0), (2.0, 9.0)])
+def test_a_push_that_moves_the_joint_turns_no_sign(push: float, start: float) -> None:
+    """Friction seems to drive while somebody pushes: a recording of 20 s with a push of 1.3 s had been refused."""
+    log = joint_log(24.0, 250.0, 5)
+    time = np.asarray(log.time)
+    pushed = log.torque + push * ((time > start) & (time < start + 1.0))
+    assert _changes(log.with_channels(torque=pushed)) == []
