@@ -68,18 +68,29 @@ def compute_losses(context: Context) -> FloatArray:
     return np.abs(context.friction * context.velocity)
 
 
-def warm_by_losses(context: Context, time_constant: float) -> Warming:
-    """How the joint warms by what its friction dissipates, which is about proportional to its speed."""
+def warm_by_losses(context: Context, time_constant: float, steady: float = 0.0) -> Warming:
+    """How the joint warms by what its friction dissipates, which is about proportional to its speed.
+
+    Args:
+        context: Of the recording.
+        time_constant: Of the warming [s].
+        steady: Part of the mean losses that is there at any time, as those of the motor that holds the load [1].
+    """
     past = context.past
-    speed, begin = (None, 0.0) if past is None else (past.speed, past.begin)
-    return compute_warming(compute_losses(context), context.dt, time_constant, speed, begin)
+    speed, begin = (None, 0.0) if past is None else (_even(past.speed, steady), past.begin)
+    return compute_warming(_even(compute_losses(context), steady), context.dt, time_constant, speed, begin)
 
 
-def compute_heat(context: Context, time_constant: float) -> FloatArray:
+def _even(power: FloatArray, steady: float) -> FloatArray:
+    """The power, of whose mean this part is there at any time."""
+    return (1.0 - steady) * power + steady * float(np.mean(power))
+
+
+def compute_heat(context: Context, time_constant: float, steady: float = 0.0) -> FloatArray:
     """Compute the rise of a joint's temperature. A recorded one is over the mean of all recordings [K]; an estimate
     from friction losses is over the mean of this one, in what their mean brings in a minute [1]. Shape (n,)."""
     recorded = context.channels.get("temperature")
     if recorded is not None:
         return recorded - context.usual_temperature
-    warming = warm_by_losses(context, time_constant)
+    warming = warm_by_losses(context, time_constant, steady)
     return (warming.rise - warming.usual) / compute_unit_rise(time_constant)

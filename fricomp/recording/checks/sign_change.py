@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from fricomp.recording.checks.joint_fit import BlockMotion, average_motion, build_design, fit_motion
 from fricomp.recording.finding import Finding
@@ -76,8 +75,8 @@ def _locate_turns(motion: BlockMotion, torque: Samples, *, rotary: bool) -> list
 def _measure_left_beside_pushes(basis: Samples, target: Samples, turns: list[int]) -> float:
     """What the torque leaves where it has one sign, and another constant torque acts between these rows: a push that
     moves the joint looks like friction that drives."""
-    parts = [np.ones(part.size) for part in np.split(target, turns)]
-    pushed = np.linalg.qr(np.column_stack([basis, block_diag(*parts).T]))[0]
+    part = np.searchsorted(turns, np.arange(target.size), side="right")
+    pushed = np.linalg.qr(np.column_stack([basis, np.eye(len(turns) + 1)[part]]))[0]
     return compute_rms(target - pushed @ (pushed.T @ target))
 
 

@@ -144,7 +144,10 @@ def test_friction_that_creeps_does_so_in_the_simulated_motion() -> None:
     [
         ("dwell_stiction", {"rise": 0.8, "time_constant": log(0.3), "travel": log(0.01)}),
         ("thermal_friction", {"viscous_slope": 0.2, "time_constant": log(2.0)}),
-        ("thermal_friction", {"viscous_slope": 0.2, "coulomb_slope": 0.3, "time_constant": log(2.0)}),
+        (
+            "thermal_friction",
+            {"viscous_slope": 0.2, "coulomb_slope": 0.3, "time_constant": log(2.0), "steady_share": 0.4},
+        ),
     ],
 )
 def test_a_state_along_the_recorded_motion_is_what_the_effect_adds_there(effect: str, values: dict[str, float]) -> None:

@@ -23,6 +23,10 @@ from ..warming import compute_heat, compute_unit_rise, warm_by_losses
 LEAST_VISCOUS = 0.1
 """Least viscous friction at top speed in the dry level: what warms must be something, also where a base found none."""
 
+STEADY_SHARE = EffectParameter("steady_share", "1", 0.2, 0.0, 1.0, linear=False, prior=0.5)
+"""Part of the mean losses that warms the joint at any time, whatever its friction does [1]: a motor that holds a load
+and a housing that warms from outside do."""
+
 
 @register
 class ThermalFriction(Effect):
@@ -42,15 +46,19 @@ class ThermalFriction(Effect):
         per_kelvin = "/K" if recorded else ""
         slope = EFFECT.step * (viscous + LEAST_VISCOUS * contexts[0].scale) / largest
         level = EFFECT.step * contexts[0].scale / largest
-        viscous_slope = EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope)
-        coulomb_slope = EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level)
-        return (viscous_slope, coulomb_slope) if recorded else (viscous_slope, coulomb_slope, HEATING_TIME)
+        slopes = (
+            EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope),
+            EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level),
+        )
+        return slopes if recorded else (*slopes, HEATING_TIME, STEADY_SHARE)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{}] if _is_recorded(contexts) else propose_heating_times()
+        if _is_recorded(contexts):
+            return [{}]
+        return [{**one, STEADY_SHARE.name: 0.5} for one in propose_heating_times()]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        heat = compute_heat(context, _read_time_constant(values))
+        heat = compute_heat(context, _read_time_constant(values), values.get(STEADY_SHARE.name, 0.0))
         viscous = np.where(context.velocity >= 0.0, *_bound_viscous(context))
         fall = np.clip(values["viscous_slope"] * heat / viscous, -STRONGEST_FALL, STRONGEST_FALL)
         return Contribution(
@@ -86,15 +94,17 @@ class _Warmth(HiddenState):
     def __init__(self, context: Context, values: Values) -> None:
         self.context, self.slope, self.time_constant = context, values["viscous_slope"], _read_time_constant(values)
         self.forward, self.reverse = _bound_viscous(context)
+        self.steady = values.get(STEADY_SHARE.name, 0.0)
         self.level = values.get("coulomb_slope", 0.0)
 
     def begin(self, sample: int, step: float) -> None:
-        warming = warm_by_losses(self.context, self.time_constant)
+        warming = warm_by_losses(self.context, self.time_constant, self.steady)
         self.rise, self.usual, self.mean = float(warming.rise[sample]), warming.usual, warming.unit
         self.gain, self.unit = 1.0 - exp(-step / self.time_constant), compute_unit_rise(self.time_constant)
 
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
-        self.rise += self.gain * (abs(friction * velocity) / self.mean - self.rise)
+        losses = (1.0 - self.steady) * abs(friction * velocity) / self.mean + self.steady
+        self.rise += self.gain * (losses - self.rise)
         viscous = self.forward if velocity >= 0.0 else self.reverse
         fall = min(max(self.slope * (self.rise - self.usual) / self.unit / viscous, -STRONGEST_FALL), STRONGEST_FALL)
         return viscous * expm1(-fall) * velocity, -self.level * (self.rise - self.usual) / self.unit
