@@ -50,7 +50,7 @@ def pack(plant: Plant) -> FloatArray:
     return np.array(
         [
             *values,
-            np.log(plant.level / plant.sigma_0),
+            np.log(plant.bristle_level / plant.sigma_0),
             plant.delay,
             plant.sigma_1 / plant.sigma_0,
             plant.sharpness,
@@ -64,21 +64,21 @@ def pack(plant: Plant) -> FloatArray:
 def unpack(theta: FloatArray) -> Plant:
     """The plant that `theta` describes."""
     f, r = theta[4:8], theta[8:12]
-    sigma_0 = max(0.5 * float(f[0] + r[0]), 1e-9) / float(np.exp(theta[12]))
-    return Plant(
+    plant = Plant(
         inertia=float(np.exp(theta[0])),
         gravity=(float(theta[1]), float(theta[2])),
         offset=float(theta[3]),
         forward=(float(f[0]), float(f[0] + f[1]), float(np.exp(f[2])), float(f[3])),
         reverse=(float(r[0]), float(r[0] + r[1]), float(np.exp(r[2])), float(r[3])),
-        sigma_0=sigma_0,
-        sigma_1=sigma_0 * float(theta[14]),
+        sigma_0=1.0,  # it follows from the curves
         delay=float(theta[13]),
         sharpness=float(theta[15]),
         spread=float(np.exp(theta[16])),
         creep_velocity=float(theta[17]),
         creep_lead=float(theta[18]),
     )
+    sigma_0 = max(plant.bristle_level, 1e-9) / float(np.exp(theta[12]))
+    return replace(plant, sigma_0=sigma_0, sigma_1=sigma_0 * float(theta[14]))
 
 
 def even_directions(theta: FloatArray) -> FloatArray | None:
@@ -196,7 +196,7 @@ class BaseModel:
         start = pack(
             replace(
                 plant,
-                sigma_0=plant.level / JOINT.usual_bristle,
+                sigma_0=plant.bristle_level / JOINT.usual_bristle,
                 delay=0.5 * sum(delays),
                 sharpness=0.5,
             )

@@ -74,6 +74,12 @@ class Plant:
         """Mean Coulomb torque of both directions [N·m]."""
         return 0.5 * (self.forward[0] + self.reverse[0])
 
+    @property
+    def bristle_level(self) -> float:
+        """Torque by which the travel of a bristle is measured [N·m]: the Coulomb torque, and no less than half of the
+        static friction, whose fall over all of the motion may have taken its place."""
+        return max(self.level, 0.25 * (self.forward[1] + self.reverse[1]))
+
     def to_slots(self) -> FloatArray:
         """Numbers in the order that the kernel takes."""
         exponent = self.stribeck_exponent

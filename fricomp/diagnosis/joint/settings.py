@@ -13,8 +13,8 @@ class JointSettings:
     """
 
     softest_bristle: float = 2.5e-4
-    """Presliding distance F_c / sigma_0 of the softest bristle of the base [rad]. With a larger one the base takes
-    up soft presliding, which is then no effect any more."""
+    """Presliding distance, `bristle_level` over sigma_0, of the softest bristle of the base [rad]. With a larger one
+    the base takes up soft presliding, which is then no effect any more."""
     longest_delay: float = 5e-4
     """Longest time by which the torque is behind the motion in a usual chain of sensors [s]. A longer one lets the
     base swallow real delays."""

@@ -138,6 +138,17 @@ def test_a_direction_that_lost_its_static_friction_gets_that_of_the_other() -> N
     assert unpack(lost).reverse == pytest.approx((2.2, 3.2, 0.05, 1.1))
 
 
+def test_a_bristle_is_no_softer_for_a_fall_of_the_friction_that_has_taken_the_place_of_its_level() -> None:
+    """With a Coulomb torque of 0.0002 N·m and a fall of 0.06 a base had taken up a bristle of 8 mrad, and a joint that
+    was told to lack nothing left a third of its friction."""
+    theta = pack(_PLANT)
+    theta[_COULOMB], theta[[i + 1 for i in _COULOMB]] = 1e-3, 2.4
+    plant = unpack(theta)
+    static = 0.5 * (plant.forward[1] + plant.reverse[1])
+    assert static / plant.sigma_0 == pytest.approx(2.0 * np.exp(theta[BASE_NAMES.index("log_breakaway")]), rel=0.01)
+    np.testing.assert_allclose(pack(plant), theta, rtol=1e-12)
+
+
 def test_friction_that_falls_over_all_of_the_motion_becomes_a_line_with_a_fall_at_low_speeds() -> None:
     """A Coulomb torque of 3.4 and 1.7 of drag had become a fall with twice the drag, the other direction not."""
     plant = replace(_PLANT, forward=(0.3, 3.3, 0.8, 4.5), reverse=(3.4, 3.7, 0.05, 1.7))

@@ -65,11 +65,11 @@ class PreslidingHysteresis(Effect):
     def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own bristle is as soft as it may be."""
         plant = contexts[0].plant
-        return plant.level / plant.sigma_0 > self.near_softest * JOINT.softest_bristle
+        return plant.bristle_level / plant.sigma_0 > self.near_softest * JOINT.softest_bristle
 
     def is_in_law(self, law: FrictionLaw) -> bool:
         return any(isinstance(term, LuGre) for term in law.terms)
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
-        sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))
+        sigma_0 = context.plant.bristle_level / float(np.exp(values["breakaway_distance"]))
         return Contribution(plant={"sigma_0": sigma_0, "sigma_1": sigma_0 * values["damping_time"]})
