@@ -20,7 +20,7 @@ from .joint.observer import Observer
 from .joint.settings import JOINT
 from .joint.weak_form import estimate_rest_speed
 from .samples.second_look import look_into_samples, remove_ripple
-from .search.late_torque import measure_late_torque
+from .search.again.late_torque import measure_late_torque
 from .search.preparation import Baseline, prepare
 from .search.rounds import search_in_rounds
 from .verdict.delivering import deliver, leave_out_worse

@@ -33,8 +33,6 @@ from .verdict.judging import Verdict, describe_repetitions, join_channels
 from .verdict.shared_effect import SimulationEffects
 from .verdict.writing import write_diagnosis, write_read_off, write_refusal
 
-__all__ = ["diagnose", "diagnose_given"]
-
 _SEVERAL_LOADS = (
     "A simulated joint has one offset and one level of friction, and the measured load changes both: nothing else was "
     "looked for. For the rest, diagnose recordings of one load."

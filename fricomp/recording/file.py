@@ -13,7 +13,7 @@ from fricomp.recording.checks.checks import CheckedRecording, check_recording
 from fricomp.recording.csv_file import FileContent, read_csv, write_csv
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
 from fricomp.recording.metadata import RecordingMetadata
-from fricomp.recording.named.joint_name import select_joint
+from fricomp.recording.named.joints.joint_name import select_joint
 from fricomp.recording.named.log import NamedLog, read_named_log
 from fricomp.recording.named.native import is_native
 from fricomp.recording.named.quantity_files import is_log_folder

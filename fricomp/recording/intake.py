@@ -14,7 +14,7 @@ from .conversion import NamedRecording, convert
 from .file import is_own, read_content
 from .finding import Finding
 from .mapping import Mapping, load_mapping, set_row_rate
-from .named.joint_name import select_joint
+from .named.joints.joint_name import select_joint
 from .named.log import NamedLog, read_named_log
 from .parts.parts import find_usable_parts
 from .recording import Recording

@@ -9,7 +9,7 @@ from itertools import combinations
 
 from fricomp.errors import SimulationFileError
 from fricomp.recording.named.column import simplify_joint
-from fricomp.recording.named.joint_name import count_from_one
+from fricomp.recording.named.joints.joint_name import count_from_one
 
 _MOST_STRANGERS, _LEAST_JOINTS = 2, 2
 """Joints that a simulation may lack, and must have for that."""

@@ -155,7 +155,7 @@ def choose_joint(log: ArmLog, simulation: Path) -> str | None:
     A gripper beside the joint, or the rest of an arm, is no joint of that simulation.
     """
     from fricomp.cli.terminal import console
-    from fricomp.recording.named.joint_name import select_joint
+    from fricomp.recording.named.joints.joint_name import select_joint
     from fricomp.simulation_file import list_joints
 
     (wanted,) = list_joints(simulation)

@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from ..effects.structure import N_BASE
+from .again.late_creep import does_creep, find_late_creep
+from .again.late_joint import find_far_joint, measure_left
+from .again.late_noise import remeasure_noise
+from .again.lower_base import find_lower_base
 from .explanation import Explanation
-from .late_creep import does_creep, find_late_creep
-from .late_joint import find_far_joint, measure_left
-from .late_noise import remeasure_noise
-from .lower_base import find_lower_base
 from .preparation import Baseline
 from .search import SearchResult, search
 from .settings import SEARCH

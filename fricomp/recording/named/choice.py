@@ -24,12 +24,12 @@ from .column import (
     simplify_joint,
     without_observation,
 )
-from .control_path import take_controls
 from .device_unit import is_duty, with_unit_step
-from .joint_path import Candidates, is_complete, separate_paths
+from .joints.control_path import take_controls
+from .joints.joint_path import Candidates, is_complete, separate_paths
+from .joints.shared_rest import read_currents, read_shared_rests
+from .joints.two_encoders import pair_encoders
 from .position_by_rate import find_position_by_rate, is_rate_of
-from .shared_rest import read_currents, read_shared_rests
-from .two_encoders import pair_encoders
 from .vendor import read_vendor_name, with_vendor_unit
 
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]

@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.base import BASE_NAMES
-from fricomp.diagnosis.search.late_joint import find_far_joint, measure_left
+from fricomp.diagnosis.search.again.late_joint import find_far_joint, measure_left
 from fricomp.diagnosis.search.preparation import Baseline
 
 from ..known import PLANT, known_baseline, known_fit, known_search

@@ -10,8 +10,8 @@ import pytest
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
-from fricomp.diagnosis.search import late_noise
-from fricomp.diagnosis.search.late_noise import remeasure_noise
+from fricomp.diagnosis.search.again import late_noise
+from fricomp.diagnosis.search.again.late_noise import remeasure_noise
 from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.diagnosis.search.refit import fit_from
 from fricomp.diagnosis.search.search import search

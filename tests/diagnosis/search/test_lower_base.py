@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from fricomp.diagnosis.search import lower_base, rounds
-from fricomp.diagnosis.search.lower_base import find_lower_base
+from fricomp.diagnosis.search import rounds
+from fricomp.diagnosis.search.again import lower_base
+from fricomp.diagnosis.search.again.lower_base import find_lower_base
 from fricomp.diagnosis.search.preparation import Baseline
 from fricomp.diagnosis.search.rounds import _search_from_lower_base
 

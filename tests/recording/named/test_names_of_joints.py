@@ -15,7 +15,7 @@ from scipy.io import savemat
 from fricomp.errors import RecordingError
 from fricomp.recording import RecordingWarning
 from fricomp.recording.file import read_content, read_recording
-from fricomp.recording.named.joint_name import select_joint
+from fricomp.recording.named.joints.joint_name import select_joint
 from fricomp.recording.named.log import read_named_log, separate_joints
 from fricomp.recording.validity import Samples
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from fricomp.recording.unit_word import read_bracket
 
-from .column import ColumnMeaning, read_column_name, simplify_joint
+from ..column import ColumnMeaning, read_column_name, simplify_joint
 
 Candidates = dict[str, dict[str, list[tuple[str, ColumnMeaning]]]]
 """Columns and their meanings by what is left of their names for the joint, and by channel."""

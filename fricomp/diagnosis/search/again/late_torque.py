@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..effects.structure import N_BASE
-from ..joint.base import BASE_NAMES, is_at_earliest, unpack
-from ..joint.base_fit import fit_base, is_loud
-from .explanation import Explanation
-from .preparation import Baseline
-from .settings import SEARCH
+from ...effects.structure import N_BASE
+from ...joint.base import BASE_NAMES, is_at_earliest, unpack
+from ...joint.base_fit import fit_base, is_loud
+from ..explanation import Explanation
+from ..preparation import Baseline
+from ..settings import SEARCH
 
 _DELAY = BASE_NAMES.index("delay")
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..effects.structure import N_BASE
-from ..inputs.track import FloatArray
-from ..joint.base_fit import fit_base
-from .preparation import Baseline
-from .search import SearchResult
+from ...effects.structure import N_BASE
+from ...inputs.track import FloatArray
+from ...joint.base_fit import fit_base
+from ..preparation import Baseline
+from ..search import SearchResult
 
 
 def find_lower_base(baseline: Baseline, found: SearchResult) -> FloatArray | None:

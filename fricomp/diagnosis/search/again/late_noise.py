@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects.structure import N_BASE
-from ..joint.base import unpack
-from ..joint.base_fit import fit_base
-from .explanation import Explanation
-from .preparation import Baseline, build_structure, weigh_by_nulls
-from .refit import fit_from, rebuild
-from .search import SearchResult
-from .settings import SEARCH
+from ...effects.structure import N_BASE
+from ...joint.base import unpack
+from ...joint.base_fit import fit_base
+from ..explanation import Explanation
+from ..preparation import Baseline, build_structure, weigh_by_nulls
+from ..refit import fit_from, rebuild
+from ..search import SearchResult
+from ..settings import SEARCH
 
 
 def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Baseline | None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from fricomp.recording.quantity_word import split_words
 
-from .column import simplify_joint
+from ..column import simplify_joint
 
 _ANY = frozenset(
     [

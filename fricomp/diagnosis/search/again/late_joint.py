@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..effects.structure import N_BASE
-from ..joint.base import BASE_NAMES, unpack
-from ..joint.observer import Plant
-from .preparation import Baseline
-from .search import SearchResult
-from .settings import SEARCH
+from ...effects.structure import N_BASE
+from ...joint.base import BASE_NAMES, unpack
+from ...joint.observer import Plant
+from ..preparation import Baseline
+from ..search import SearchResult
+from ..settings import SEARCH
 
 _INERTIA = BASE_NAMES.index("log_inertia")
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from .column import REFERENCES, ColumnMeaning
+from ..column import REFERENCES, ColumnMeaning
 from .joint_path import Candidates
 
 _CONTROL = "control"

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..effects.structure import N_BASE, Structure
-from ..inputs.track import FloatArray
-from ..joint.base import BASE_NAMES
-from ..joint.base_fit import propose_creep_starts
-from ..joint.race import Entry, Race
-from ..joint.solver import Box
-from .explanation import Explanation
-from .preparation import Baseline, may_creep
-from .refit import fit_from
-from .search import SearchResult
-from .settings import SEARCH
+from ...effects.structure import N_BASE, Structure
+from ...inputs.track import FloatArray
+from ...joint.base import BASE_NAMES
+from ...joint.base_fit import propose_creep_starts
+from ...joint.race import Entry, Race
+from ...joint.solver import Box
+from ..explanation import Explanation
+from ..preparation import Baseline, may_creep
+from ..refit import fit_from
+from ..search import SearchResult
+from ..settings import SEARCH
 
 _CREEP = BASE_NAMES.index("creep_velocity")
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from fricomp.recording.quantity_word import WORDS, split_words
 from fricomp.recording.unit_word import kind_of_unit, read_unit
 
-from .column import ColumnMeaning, read_column_name, simplify_joint
+from ..column import ColumnMeaning, read_column_name, simplify_joint
 
 _CURRENT = "i"
 """The letter of a current, which alone may be anything."""

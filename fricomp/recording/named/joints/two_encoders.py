@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 
-from .column import ColumnMeaning
+from ..column import ColumnMeaning
 
 _SIDE = re.compile(
     r"(?P<base>.+?)_?(?:(?P<motor>m|mot|motor|rotor)|(?P<link>l|link|load|j|joint|out|output))(?=$|\s|\[|\()",

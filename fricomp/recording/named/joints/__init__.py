@@ -1,0 +1,1 @@
+"""Which joint a column is of, by what its name shares with others."""
