@@ -22,13 +22,13 @@ _LABELLED = re.compile(
 _STAMP = r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d+)?|\d+(?:\.\d+)?"
 _DAY = r"(?:(?:[A-Z][a-z]{2}\s+\d{1,2}|\d\d-\d\d)\s+(?=\d\d:))?"
 """A day without its year before a time of day, as journals and phones write it: `Mar 10 23:59:50.004 host a[8]:`."""
-_UNITOF_TIME = r"(?:\s?(s|sec|ms|us|µs|ns)(?![\w.]))?"
+_UNIT_OF_TIME = r"(?:\s?(s|sec|ms|us|µs|ns)(?![\w.]))?"
 _FIRST, _LAST = (
-    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP}){_UNITOF_TIME}\s*[\])]?(?=[\s:;,]|$)"),
-    re.compile(rf"(?<=\s)(\d+(?:\.\d+)?){_UNITOF_TIME}\s*$"),
+    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP}){_UNIT_OF_TIME}\s*[\])]?(?=[\s:;,]|$)"),
+    re.compile(rf"(?<=\s)(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*$"),
 )
 """A number without a label at an end of the line: when it was written."""
-_ASIDE = re.compile(rf"[\[(]\s*(\d+(?:\.\d+)?){_UNITOF_TIME}\s*[\])]")
+_ASIDE = re.compile(rf"[\[(]\s*(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*[\])]")
 """The same in brackets before the first label: `I (3120) motor: pos=0.1`, `[INFO] [1710460790.25] [node]: pos: 0.1`."""
 _WITHIN = re.compile(r"(?<![\w.:])(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)()(?=Z|[+-]\d\d|[\s:;,\])])")
 """A date and time anywhere before the first label: `motor-1  | 2026-03-14T10:00:00.250Z INFO pos=0.1`."""
