@@ -22,7 +22,10 @@ def test_a_base_is_lower_where_it_leaves_clearly_less(
     baseline = known_baseline()
     other = replace(baseline.fit, theta=baseline.fit.theta + 1.0, cost=times * baseline.fit.cost)
     monkeypatch.setattr(lower_base, "fit_base", lambda *_: other)
-    found = find_lower_base(baseline, known_search(known_fit(baseline, ("torque_delay",), 900.0)))
+    late = known_fit(baseline, ("torque_delay",), 900.0)
+    assert find_lower_base(baseline, known_search(late)) is None  # it leaves no less itself
+    led = replace(late, fit=replace(late.fit, cost=0.4 * baseline.fit.cost))
+    found = find_lower_base(baseline, known_search(led))
     assert found is (other.theta if lower else None)
     assert find_lower_base(baseline, known_search(best=False)) is None
 
