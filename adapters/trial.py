@@ -61,7 +61,9 @@ class TrialSettings:
 
     def __post_init__(self) -> None:
         if not (is_number(self.share, 0.0, LARGEST_SHARE) and self.share > 0.0):
-            raise ParameterError(f"a trial uses at most {LARGEST_SHARE:.0%} of the torque limit, got {self.share!r}")
+            raise ParameterError(
+                f"a trial uses a share of the torque limit above 0 and of at most {LARGEST_SHARE}, got {self.share!r}"
+            )
         for name in ("period", "ramp_time", "largest_motion", "listen_time"):
             if not (is_number(getattr(self, name), 0.0) and getattr(self, name) > 0.0):
                 raise ParameterError(f"{name} must be finite and positive, got {getattr(self, name)!r}")

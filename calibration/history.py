@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
+from fricomp.control.compensation.trust import find_doubt
 from fricomp.errors import FricompError
 from fricomp.laws import FloatArray
 from fricomp.report import Chart, Panel, Points
@@ -116,9 +117,14 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
         try:
             found = read_kept(path)
         except FricompError as error:
-            left_out.append(f"{path}: {error}")
+            said = str(error)
+            left_out.append(said if said.startswith(str(path)) else f"{path}: {error}")
             continue
         model = found.model
+        doubt = find_doubt(model)
+        if doubt is not None:
+            left_out.append(f"{path}: its identification is not usable ({doubt})")
+            continue
         others = kept.setdefault((model.joint, found.effects is not None, model.torque_unit, model.motion), [])
         same = next((one for one in others if _is_copy(found, one)), None)
         if same is None:

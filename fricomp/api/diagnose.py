@@ -12,6 +12,7 @@ from fricomp.errors import DiagnosisError
 from fricomp.extras import require
 from fricomp.model import FrictionModel, load_model
 from fricomp.recording import Recording, read_recording
+from fricomp.recording.given import take_recording
 from fricomp.result_kinds import DIAGNOSIS
 from fricomp.results import claim_folder
 from fricomp.simulation_file import list_joints
@@ -81,7 +82,8 @@ def diagnose(
         MissingExtraError: A package is not installed; the message names the extra that brings it.
     """
     require("ruptures", extra="diagnose")
-    given = [recordings] if isinstance(recordings, Recording | str | os.PathLike) else list(recordings)
+    several = isinstance(recordings, Sequence) and not isinstance(recordings, str)
+    given: list[Recording | Path] = [take_recording(one) for one in (recordings if several else [recordings])]  # type: ignore[list-item]
     settings: dict[str, Any] = {
         "joint": joint, "thorough": thorough, "seed": seed, "progress": progress,
         "controller": read_controller(Path(controller)) if isinstance(controller, str | os.PathLike) else controller,

@@ -21,6 +21,7 @@ from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
+from fricomp.recording.given import is_motion, take_recording
 
 from .identification import Identification
 from .identify_settings import IdentifySettings
@@ -99,12 +100,12 @@ def identify(
         RecordingError: A file cannot be read, or the recording cannot be used as it is.
     """
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
-    source = data
+    source: Any = take_recording(data) if torque is None and is_motion(data) else data  # type: ignore[arg-type]
     if torque is not None:
         if isinstance(data, Recording | str | os.PathLike):
             raise IdentificationError("torque belongs to velocities: leave it out beside a recording or a file")
         source = {"velocity": data, "torque": torque, "normal_load": normal_load}
-    return identify_source(source, settings, options)  # type: ignore[arg-type]  # anything else is refused there
+    return identify_source(source, settings, options)
 
 
 def identify_source(
@@ -157,6 +158,10 @@ def _points_of(source: object) -> _Points | None:
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         return _Points(path.name, *read_friction_table(path)) if is_friction_table(path) else None
+    if isinstance(source, list | tuple) and any(isinstance(one, Recording | str | os.PathLike) for one in source):
+        raise IdentificationError(
+            "several recordings were given: identify takes one; compare or watch take their models"
+        )
     table: Any = source if isinstance(source, Mapping) or hasattr(source, "columns") else {}
     missing = [name for name in ("velocity", "torque") if name not in table]
     if missing:

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 app = typer.Typer(add_completion=False)
 
+_WORSE = 1.1
+"""Times the error without compensation from which one with it is told to be worse; runs differ by less."""
+
 drive_option = option_under("Drive")
 motion_option = option_under("Motion")
 
@@ -222,6 +225,12 @@ def _figures(result: LoopResult) -> dict[str, Any]:
     }
 
 
+def _list_worse(figures: dict[str, dict[str, Any]], models: list[FrictionModel]) -> list[str]:
+    """Joints whose motion a compensation has made clearly worse."""
+    pairs = zip(models, figures["without"]["rms_error"], figures["with"]["rms_error"], strict=True)
+    return [model.joint for model, without, compensated in pairs if compensated > _WORSE * without]
+
+
 def _print(figures: dict[str, dict[str, Any]], models: list[FrictionModel], result: LoopResult) -> None:
     from fricomp.cli.terminal import Table, console
 
@@ -233,6 +242,13 @@ def _print(figures: dict[str, dict[str, Any]], models: list[FrictionModel], resu
         table.add_row(model.joint, f"{1e3 * without:.3f} {unit}", f"{1e3 * compensated:.3f} {unit}", change)
     out, timing = console(), result.log.timing()
     out.print(table)
+    for joint in _list_worse(figures, models):
+        out.print(
+            f"Careful: with compensation joint {joint} follows worse than without. Its model is of another joint or "
+            "state: identify it anew, and do not use this one.",
+            soft_wrap=True,
+            markup=False,
+        )
     out.print(
         f"A cycle takes {1e6 * timing.busy_p50:.0f} µs (99.9 %: {1e6 * timing.busy_p999:.0f} µs); "
         f"lateness {1e6 * timing.lateness_p50:.0f} µs (99.9 %: {1e6 * timing.lateness_p999:.0f} µs); "

@@ -62,8 +62,8 @@ class LoopSetup:
         n = len(adapter.capabilities.joints)
         if len(models) != n or len(inertia) not in (1, n):
             raise ParameterError(
-                f"the bus has {n} joints: give a model for each (got {len(models)}), and one inertia for all "
-                f"or one for each (got {len(inertia)})"
+                f"the bus needs {n} of each: give as many models (got {len(models)}), and one inertia for all or one "
+                f"for each (got {len(inertia)})"
             )
         self._stated = [limit.breakaway is not None for limit in adapter.options.limits]
         adapter.options = add_breakaway(adapter, models)

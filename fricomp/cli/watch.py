@@ -52,7 +52,7 @@ def watch(
         histories, left_out = read_histories(folder)
         if not histories:
             why = f"; left out: {'; '.join(left_out)}" if left_out else ""
-            raise ParameterError(f"{folder} holds no model (friction.json) of a known date{why}")
+            raise ParameterError(f"{folder} holds no model (friction.json) that can be followed{why}")
         answer({"joints": [_as_answer(one) for one in histories], "left_out": left_out})
         for history in histories:
             _print(history)

@@ -49,10 +49,10 @@ class SimulatedJoint:
         if self.noise_ratio is None:
             return ()
         return (
-            f"The simulated recording itself shows something that no effect explains ({self.noise_ratio:.3g} times the "
-            "recording's noise): its inertia, gravity and friction cannot be read off it and were not compared, and "
-            "what is named here may be in the simulation as well. The simulation itself, given with --simulation, "
-            "would tell.",
+            "Careful: nothing was compared with the simulation. Its recording shows something that no effect explains "
+            f"({self.noise_ratio:.3g} times the recording's noise), so that its inertia, gravity and friction cannot "
+            "be read off it; what is named here may be in the simulation as well. The simulation itself, given with "
+            "--simulation, would tell.",
         )
 
 

@@ -1,17 +1,20 @@
 """One evaluator: how well a model, as it is written in its file, predicts a recording."""
 
-from pathlib import Path
+from collections.abc import Sequence
 
 from fricomp.blas import one_blas_thread
 from fricomp.errors import RecordingError
 from fricomp.model import FrictionModel
+from fricomp.model.given import take_model
 from fricomp.recording import Recording, read_recording
+from fricomp.recording.given import take_recording
 
 from .errors import Spans, measure_positions, summarise_torque
 from .evaluated import EvaluatedJoint, JointAlong
 from .motion import RecordedMotion, read_motion
 from .reading import Source, read_model
-from .result import Evaluation
+from .result import Evaluation, PositionError, TorqueError
+from .settings import HORIZONS
 
 
 @one_blas_thread()
@@ -47,9 +50,11 @@ def evaluate(
         RecordingError: The recording cannot be read, is too short, never moves, or is in another unit.
         SimulationFileError: The simulation cannot be read, or has no such joint.
     """
-    series = recording if isinstance(recording, Recording) else read_recording(Path(recording))
-    series = series.on_joint_side()
-    read = read_model(model, simulation=simulation, joint=joint or series.metadata.joint, named=joint is not None)
+    source = take_model(model)
+    taken = take_recording(recording)
+    series = (taken if isinstance(taken, Recording) else read_recording(taken)).on_joint_side()
+    _require_time(series, spans)
+    read = read_model(source, simulation=simulation, joint=joint or series.metadata.joint, named=joint is not None)
     return evaluate_joint(read, series, spans=spans, band=band)
 
 
@@ -80,7 +85,48 @@ def evaluate_joint(
     along = JointAlong(model, motion)
     torque = summarise_torque(motion, [along.compare_torque(spans)])
     found = measure_positions(motion, along.simulate, spans) if positions else ()
-    return Evaluation(model.name, torque, found, (*model.notes, *_describe_motion(motion)))
+    notes = (*model.notes, *_describe_motion(motion))
+    if positions:
+        notes += tuple(_describe_position(found))
+    return Evaluation(model.name, torque, found, (*notes, *_warn(torque, found)))
+
+
+def _require_time(recording: Recording, spans: Spans | None) -> None:
+    """Refuse times of which none is in the recording.
+
+    Raises:
+        RecordingError: A time ends before it begins, or none has a sample.
+    """
+    first, last = float(recording.time[0]), float(recording.time[-1])
+    for start, stop in spans or ():
+        if not start < stop:
+            raise RecordingError(f"the time from {start:g} to {stop:g} s holds nothing: its end has to come later")
+    if spans and all(start > last or stop <= first for start, stop in spans):
+        raise RecordingError(f"the recording lasts from {first:g} to {last:g} s, and has nothing in the time asked for")
+
+
+def _describe_position(found: Sequence[PositionError]) -> list[str]:
+    if found:
+        return []
+    return [f"No position errors: the time is too short for runs of {HORIZONS[0]:g} s from many starts."]
+
+
+def _warn(torque: TorqueError, found: Sequence[PositionError]) -> list[str]:
+    """That a model is no better than none, which its figures alone say to those who know what they mean."""
+    said = []
+    if torque.rms > torque.recorded:
+        said.append(f"misses {torque.rms:.3g} {torque.unit} of a torque of {torque.recorded:.3g} {torque.unit}")
+    if found and found[0].median > found[0].travel:
+        said.append(
+            f"is off by {found[0].median:.3g} {found[0].unit} after {found[0].after:g} s, in which the joint "
+            f"moved by {found[0].travel:.3g} {found[0].unit}"
+        )
+    if not said:
+        return []
+    return [
+        f"Careful: this model {' and '.join(said)}: it is no better than none. Is it of this joint, and in its "
+        "units and signs?"
+    ]
 
 
 def _require_unit(model: EvaluatedJoint, recording: Recording) -> None:

@@ -96,7 +96,8 @@ def read_simulated_joint(path: str | Path, joint: str | None, *, named: bool = T
         raise SimulationFileError(f"{path} has no joint: give a file whose joint moves")
     if joint not in names and (named or len(names) > 1):
         raise SimulationFileError(
-            f"{path} has no joint {joint!r}; say which of its joints is meant: {', '.join(map(repr, names))}"
+            f"{path} {'has no joint ' + repr(joint) if named else f'has {len(names)} joints'}; say which of its joints "
+            f"is meant: {', '.join(map(repr, names))}"
         )
     chosen = joint if joint in names else names[0]
     hold_others(spec, (str(chosen),))

@@ -70,6 +70,10 @@ def save_model(model: FrictionModel, path: str | os.PathLike[str]) -> str:
     Raises:
         ModelFileError: The file cannot be written, or a text of the model is none in UTF-8.
     """
+    if not isinstance(model, FrictionModel):
+        raise ModelFileError(
+            f"{type(model).__name__} is no friction model: give a FrictionModel, such as .model of a result"
+        )
     try:
         data = encode_model(model)
     except UnicodeEncodeError as error:
@@ -87,6 +91,8 @@ def load_model(path: str | os.PathLike[str]) -> FrictionModel:
     Raises:
         ModelFileError: The file is missing, damaged, foreign, in units of its own, or written by a newer version.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise ModelFileError(f"{type(path).__name__} is no path of a model file: give that of a friction.json")
     if os.path.isdir(path):
         path = os.path.join(path, "friction.json")
     try:

@@ -204,8 +204,20 @@ class FrictionModel(Shown):
         )
 
     def torque(self, velocity: Scalar, **inputs: Scalar | None) -> Scalar:
-        """Friction torque in `torque_unit`; see `FrictionLaw.torque`."""
-        return self.law.torque(velocity, **inputs)
+        """Friction torque in `torque_unit`; see `FrictionLaw.torque`.
+
+        Raises:
+            ParameterError: The velocity is no number and holds none.
+        """
+        if isinstance(velocity, float | np.ndarray):
+            return self.law.torque(velocity, **inputs)
+        if velocity is None:  # which numpy takes for no number
+            raise ParameterError("velocity is None: give numbers [rad/s] or [m/s]")
+        try:
+            numbers = np.asarray(velocity, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise ParameterError(f"velocity must be numbers [rad/s] or [m/s], got {velocity!r}") from error
+        return self.law.torque(numbers if numbers.ndim else float(numbers), **inputs)
 
     def units(self) -> dict[str, str]:
         """The unit of each parameter, by dotted name."""

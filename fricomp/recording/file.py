@@ -1,6 +1,7 @@
 """Recordings on disk: the suffix of the path decides between CSV and Parquet."""
 
 import itertools
+import os
 import shlex
 import warnings
 from collections.abc import Mapping, Sequence
@@ -36,6 +37,10 @@ def write_recording(recording: Recording, path: str | Path) -> None:
         RecordingError: The suffix is unknown, or the file cannot be written.
         MissingExtraError: Parquet is asked for and pyarrow is not installed.
     """
+    if not isinstance(recording, Recording):
+        raise RecordingError(
+            f"{type(recording).__name__} is no recording: make one by Recording.from_pandas, or give a Recording"
+        )
     target = Path(path)
     if _suffix(target) in _PARQUET:
         write_parquet(recording, target)
@@ -69,10 +74,24 @@ def read_recording(
             message names row, column and what to do.
         MissingExtraError: The file is Parquet and pyarrow is not installed.
     """
-    content = read_content(Path(path), channels=channels, joint=joint, simulated=simulated)
+    content = read_content(_require_path(path), channels=channels, joint=joint, simulated=simulated)
     for finding in content.findings:
         warnings.warn(f"{path}: {finding}", RecordingWarning, stacklevel=2)
     return content.recording
+
+
+def _require_path(path: object) -> Path:
+    """The path that was given; anything else is refused.
+
+    Raises:
+        RecordingError: It is no path.
+    """
+    if isinstance(path, str | os.PathLike):
+        return Path(path)
+    raise RecordingError(
+        f"{type(path).__name__} is no path of a recording: give that of a file or of a bag's folder; "
+        "Recording.from_pandas makes a recording of a data frame"
+    )
 
 
 def read_checked(path: str | Path) -> CheckedRecording:

@@ -49,16 +49,19 @@ def read_frame(
         RecordingError: A column is missing, or its unit is another one than that of the recording.
         MissingExtraError: pandas is not installed.
     """
-    _pandas()
+    pandas = _pandas()
+    if not isinstance(frame, pandas.DataFrame):
+        raise RecordingError(f"{type(frame).__name__} is no data frame: give one with time, position and torque")
     facts = metadata or metadata_from_fields(dict(frame.attrs.get(METADATA, {})))
     units = channel_units(facts)
     absent = [f"{column!r} for {name}" for name, column in columns.items() if column not in frame]
     if absent:
         raise RecordingError(f"the data frame has no column {absent[0]}: it has {', '.join(map(str, frame))}")
     names = {name: columns.get(name, name) for name in units}
-    values = {name: frame[column].to_numpy() for name, column in names.items() if column in frame}
+    values = {name: frame[column].to_numpy() for name, column in names.items() if column in frame and name != "time"}
     _require_units(names, frame.attrs.get(UNITS, {}), units)
-    return {"time": values.pop("time", None) if "time" in values else _time_of(frame), **values}, facts
+    time = _time_of(pandas.Index(frame[names["time"]], name="time") if names["time"] in frame else frame.index)
+    return {"time": time, **values}, facts
 
 
 def _require_units(names: Mapping[str, str], stated: Mapping[str, str], wanted: Mapping[str, str]) -> None:
@@ -72,9 +75,8 @@ def _require_units(names: Mapping[str, str], stated: Mapping[str, str], wanted: 
             )
 
 
-def _time_of(frame: DataFrame) -> Any:
-    """Time of the rows from the first one, or as the index has it where it is numbers [s]."""
-    index = frame.index
+def _time_of(index: Any) -> Any:
+    """Time of the rows from the first one where it is dates or lengths of time, or as it is where it is numbers [s]."""
     if index.dtype.kind in "mM":
         return (index - index[0]).total_seconds().to_numpy() if len(index) else np.empty(0)
     if index.dtype.kind == "f" or index.name == "time":

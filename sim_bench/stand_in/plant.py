@@ -261,7 +261,9 @@ def load_model(mjcf: Path | str) -> Any:
 def _joint_id(model: Any, name: str) -> int:
     names = [model.joint(i).name for i in range(model.njnt)]
     if name not in names:
-        raise ParameterError(f"the model has no joint {name!r}; it has {', '.join(names)}")
+        raise ParameterError(
+            f"the simulated joint is called {', '.join(names)}, and not {name!r}: name it so in the configuration"
+        )
     kind = mujoco.mjtJoint(model.jnt_type[names.index(name)])
     if kind not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
         raise ParameterError(f"joint {name!r} is neither a hinge nor a slide: name one that has a single axis")

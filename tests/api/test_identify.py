@@ -12,7 +12,7 @@ import pytest
 import fricomp
 from fricomp.api.identification import Identification
 from fricomp.calibration import IdentificationOptions
-from fricomp.errors import IdentificationError, OutputError
+from fricomp.errors import FricompError, IdentificationError, OutputError
 from fricomp.laws import FloatArray
 
 SPEED = np.concatenate([-np.geomspace(0.01, 1.0, 30), np.geomspace(0.01, 1.0, 30)])
@@ -101,3 +101,25 @@ def test_a_recording_gives_a_model_that_can_be_evaluated_by_itself(tmp_path: Pat
     dynamics = fricomp.load_model(tmp_path / "out" / "friction.json").dynamics
     assert dynamics is not None
     assert dynamics.inertia == pytest.approx(0.1, rel=0.05)
+
+
+def test_a_frame_of_a_motion_is_a_recording_and_several_are_refused() -> None:
+    time = np.arange(0.0, 20.0, 0.005)
+    position = 0.5 * np.sin(1.3 * time) + 0.3 * np.sin(0.4 * time)
+    velocity = 0.65 * np.cos(1.3 * time) + 0.12 * np.cos(0.4 * time)
+    acceleration = -0.845 * np.sin(1.3 * time) - 0.048 * np.sin(0.4 * time)
+    torque = 0.1 * acceleration + 0.4 * np.sign(velocity) + 0.2 * velocity
+    torque += np.random.default_rng(0).normal(0.0, 0.005, time.size)
+    frame = pd.DataFrame({"time": time, "position": position, "velocity": velocity, "torque": torque})
+    found = fricomp.identify(frame, law="coulomb_viscous")
+    assert found.motion is not None
+    assert float(found.model.torque(0.5)) == pytest.approx(0.5, rel=0.03)
+    recording = fricomp.Recording.from_pandas(frame)
+    with pytest.raises(IdentificationError, match="identify takes one"):
+        fricomp.identify([recording, recording])  # type: ignore[arg-type]
+
+
+def test_what_is_no_path_no_recording_and_no_model_is_refused_by_its_type() -> None:
+    for call, given in ((fricomp.read_recording, 3), (fricomp.load_model, None), (fricomp.Compensator, "x.csv".encode)):
+        with pytest.raises(FricompError, match="is no "):
+            call(given)  # type: ignore[operator]

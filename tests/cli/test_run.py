@@ -255,3 +255,13 @@ def test_a_model_that_is_not_usable_moves_nothing(tmp_path: Path, monkeypatch: p
     assert isinstance(result.exception, ParameterError), result.output
     assert "'elbow' is not usable (not_identifiable" in str(result.exception)
     assert not opened
+
+
+def test_a_compensation_that_makes_the_motion_worse_is_told(tmp_path: Path) -> None:
+    curve = StribeckCurve(3.0, 3.2, 0.1, 0.5)
+    foreign = FrictionModel(FrictionLaw((Stribeck(curve),)), joint="joint", validity=Validity(velocity=(-2.0, 2.0)))
+    save_model(foreign, tmp_path / "friction.json")
+    short = ["--frequency", "0.5", "--cycles", "1", "--out", str(tmp_path / "run")]
+    done = CliRunner().invoke(app, ["run", str(tmp_path / "friction.json"), *short])
+    assert done.exit_code == 0, done.output
+    assert "follows worse than without" in done.output

@@ -137,8 +137,18 @@ def test_the_last_change_can_be_failed_on(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_models_is_refused(tmp_path: Path) -> None:
-    assert "no model (friction.json) of a known date" in str(call(tmp_path).exception)
+    assert "no model (friction.json) that can be followed" in str(call(tmp_path).exception)
     assert "is no folder" in str(call(tmp_path / "none").exception)
+
+
+def test_a_model_that_is_not_usable_takes_no_part(tmp_path: Path) -> None:
+    write_models(tmp_path, "elbow", [0.3, 0.3, 0.3])
+    file = sorted(tmp_path.rglob("friction.json"))[-1]
+    model = load_model(file)
+    save_model(replace(model, provenance=replace(model.provenance, status="not_identifiable")), file)
+    answer = json.loads(call(tmp_path, "--json").stdout)
+    assert len(answer["joints"][0]["models"]) == 2
+    assert "its identification is not usable (not_identifiable" in answer["left_out"][0]
 
 
 @pytest.mark.parametrize("created", ["", "last week", "9999-12-31T23:59:59-10:00"])

@@ -6,12 +6,13 @@ from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import fricomp
-from fricomp.errors import ModelFileError, RecordingError
+from fricomp.errors import ModelFileError, ParameterError, RecordingError
 from fricomp.evaluation import Evaluation, evaluate
 from fricomp.laws import (
     BidirectionalStribeck,
@@ -106,6 +107,32 @@ def test_a_wrong_model_is_further_off_in_torque_and_motion() -> None:
     assert wrong.torque.rms > 10.0 * right.torque.rms
     for good, bad in zip(right.position, wrong.position, strict=True):
         assert bad.median > 5.0 * good.median
+
+
+def test_a_model_that_is_no_better_than_none_is_told_so() -> None:
+    dull = replace(_model("null"), dynamics=replace(DYNAMICS, gravity_sine=-4.0 * max(map(abs, GRAVITY))))
+    assert "no better than none" in evaluate(dull, _recording(_made("null"))).notes[-1]
+    assert "no better than none" not in "".join(_evaluated("null").notes)
+
+
+def test_times_without_a_sample_are_refused_and_short_ones_have_no_positions() -> None:
+    recording = _recording(_made("null"))
+    with pytest.raises(RecordingError, match="its end has to come later"):
+        evaluate(_model("null"), recording, spans=[(9.0, 5.0)])
+    with pytest.raises(RecordingError, match="the recording lasts from 0 to"):
+        evaluate(_model("null"), recording, spans=[(900.0, 950.0)])
+    short = evaluate(_model("null"), recording, spans=[(5.0, 5.08)])
+    assert not short.position
+    assert "No position errors" in "".join(short.notes)
+
+
+def test_data_frames_and_results_are_taken_and_other_things_refused_by_their_type() -> None:
+    recording = _recording(_made("null"))
+    assert evaluate(SimpleNamespace(model=_model("null")), recording.to_pandas()).torque == _evaluated("null").torque
+    with pytest.raises(ParameterError, match="Recording is no friction model"):
+        evaluate(recording, _model("null"))  # type: ignore[arg-type]
+    with pytest.raises(RecordingError, match="NoneType is no recording"):
+        evaluate(_model("null"), None)  # type: ignore[arg-type]
 
 
 def test_a_joint_that_friction_holds_stays_exactly_where_it_is() -> None:

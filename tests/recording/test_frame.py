@@ -71,3 +71,20 @@ def test_pandas_that_is_not_there_is_asked_for(recording: Recording, monkeypatch
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match="pip install pandas"):
         recording.to_pandas()
+
+
+@pytest.mark.parametrize("kind", ["datetime", "zone", "timedelta"])
+def test_times_in_a_column_are_seconds_whatever_their_type(kind: str) -> None:
+    seconds = np.arange(50) * 0.004
+    time = {
+        "datetime": pd.to_datetime(seconds + 1.7e9, unit="s"),
+        "zone": pd.to_datetime(seconds + 1.7e9, unit="s", utc=True).tz_convert("Europe/Berlin"),
+        "timedelta": pd.to_timedelta(seconds, unit="s"),
+    }[kind]
+    frame = pd.DataFrame({"time": time, "position": np.sin(seconds), "torque": np.cos(seconds)})
+    assert Recording.from_pandas(frame).time == pytest.approx(seconds, abs=1e-6)
+
+
+def test_what_is_no_data_frame_is_refused_by_its_type() -> None:
+    with pytest.raises(RecordingError, match="ndarray is no data frame"):
+        Recording.from_pandas(np.zeros((3, 3)))  # type: ignore[arg-type]

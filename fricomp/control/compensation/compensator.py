@@ -14,6 +14,7 @@ from fricomp.control.settings import CompensationSettings, LoopDynamics
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import find_inputs
 from fricomp.model import FrictionModel, load_model
+from fricomp.model.given import take_model
 
 if TYPE_CHECKING:
     from fricomp.control.compensation.arm_load import ArmLoad
@@ -62,7 +63,7 @@ class Compensator:
             `normal_load` (the size of the transmitted torque), `temperature` and `acceleration`.
 
     Args:
-        model: A model or the path of its file (`friction.json`).
+        model: A model, the result that holds it, or the path of its file (`friction.json`).
         period: Control period [s].
         loop: The position loop around the joint, where known; decides whether its damping holds a falling branch.
         velocity_quantum: Step of the measured velocity [rad/s] or [m/s].
@@ -288,10 +289,11 @@ def _list_inputs(model: FrictionModel) -> frozenset[str]:
 
 
 def _read(model: ModelSource) -> FrictionModel:
-    if isinstance(model, FrictionModel):
-        return model
-    if Path(model).suffix == ".onnx":
+    taken = take_model(model)
+    if isinstance(taken, FrictionModel):
+        return taken
+    if taken.suffix == ".onnx":
         raise ParameterError(
             f"{model} is a network: use NetworkCompensator, or the closed form beside it (friction.json)"
         )
-    return load_model(Path(model))
+    return load_model(taken)

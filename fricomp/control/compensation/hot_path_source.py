@@ -91,6 +91,7 @@ def write_hot_path(curves: FrictionCurves, settings: CompensationSettings, perio
         "            last, rejection = 0.0, f'{type(error).__name__}: {error}'",
         "            rejected += 1",
         "            return 0.0",
+        "    torque.__qualname__ = 'Compensator.torque'",  # what Python says of a missing argument names it
         "    def reset():",
         *_indent_lines(_indent_lines([f"nonlocal {', '.join(['last', *case.states])}", *start])),
         "    def set_scale(dry, viscous):",

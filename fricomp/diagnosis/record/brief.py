@@ -112,6 +112,8 @@ def _say_what_to_do(record: DiagnosisRecord) -> str:
             "is no better than that without."
         )
     names = {effect.name for effect in record.effects}
+    if names == {"payload_error"} and not any(one.endswith("_change") for one in record.effects[0].parameters):
+        return "take the friction from friction.json, and by how much the loads differ from the table."
     if names == {"external_disturbance"}:
         return (
             "find what acts on the joint at these times, or leave them out (--from, --to): it is no part of the joint."

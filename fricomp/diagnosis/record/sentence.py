@@ -32,6 +32,7 @@ LAWLESS = (
 """Opening where a late drive is all that can be said."""
 
 WITHOUT_SIMULATION = {
+    "parameters": "A rigid joint with friction moves as recorded; its loads differ between the recordings.",
     "missing_physics": "This recording shows physics that a rigid joint with friction leaves out.",
     "measurement": "A rigid joint with friction moves as recorded; the recorded signals are off.",
 }

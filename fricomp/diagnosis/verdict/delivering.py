@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from ..delivery.models import Delivery, deliver_models
 from ..effects import EFFECTS
+from ..effects.outside.payload_error import PayloadError
 from ..evidence.findings import Findings
 from ..evidence.undetermined import cancels_with_gravity, list_undetermined
+from ..inputs.checks import PART_OF
 from ..search.choice import choose
 from ..search.search import SearchResult
 from .extension import write_base_model, write_extended_model
@@ -19,6 +22,7 @@ from .given_model import write_given_model
 from .judging import Verdict
 from .settings import VERDICT
 
+LOAD = PayloadError.name
 WORSE = "the model with it is worse than that without on data left out"
 
 
@@ -35,7 +39,9 @@ def deliver(findings: Findings, verdict: Verdict, whole: Sequence[Recording]) ->
         return None
     undetermined = list_undetermined(findings.refitted, (case.unit, case.position_unit))
     cancels = cancels_with_gravity(findings.refitted)
-    base = write_base_model(case.recordings, case.baseline, cancels=cancels)
+    loads = _split_loads(findings, whole)
+    first = case.baseline if loads is None else findings.refitted
+    base = write_base_model(case.recordings, first, cancels=cancels)
     joint = None if findings.chosen is None else findings.refitted
     rows = write_extended_model(case.recordings, joint, case.spring, cancels=cancels)
     extended = rows if sample is None else sample.extend((rows if sample.waves else None) or base)
@@ -43,9 +49,45 @@ def deliver(findings: Findings, verdict: Verdict, whole: Sequence[Recording]) ->
     missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
     names = [rows.name for rows in findings.series]
     given = write_given_model(findings, base) if verdict.held.before == "given" else None
-    found = deliver_models(case.recordings, base, extended, missing, names=names, given=given, whole=whole)
+    used, names, whole = (case.recordings, names, whole) if loads is None else loads
+    found = deliver_models(used, base, extended, missing, names=names, given=given, whole=whole)
     noted = None if found.extended is None else _note(found.extended, undetermined)
-    return replace(found, base=_note(found.base, undetermined), extended=noted)
+    remarks = found.remarks if loads is None else (_describe_load(names[0]), *found.remarks)
+    return replace(found, base=_note(found.base, undetermined), extended=noted, remarks=remarks)
+
+
+class _FirstLoad(NamedTuple):
+    """The recordings that were made with the load of the first one, their names, and all that is usable of it."""
+
+    recordings: Sequence[Recording]
+    names: list[str]
+    whole: Sequence[Recording]
+
+
+def _split_loads(findings: Findings, whole: Sequence[Recording]) -> _FirstLoad | None:
+    """The first load's share of the data, where the recordings were made with different ones; None where they were not.
+
+    A written model has one inertia and one gravity: fitted to several loads they would be of none of them, and the
+    friction would bend to make up for it.
+    """
+    case, chosen = findings.case, findings.chosen
+    contexts = case.baseline.structure.contexts
+    if chosen is None or LOAD not in chosen.names or not any(context.source for context in contexts):
+        return None
+    rows = [k for k, context in enumerate(contexts) if context.source == 0]
+    number = case.recordings[0].metadata.extra.get(PART_OF)
+    return _FirstLoad(
+        [case.recordings[k] for k in rows],
+        [findings.series[k].name for k in rows],
+        [one for one in whole if one.metadata.extra.get(PART_OF) == number],
+    )
+
+
+def _describe_load(name: str) -> str:
+    return (
+        f"Careful: friction.json holds inertia and gravity of the joint as loaded in {name}, on which it was judged; "
+        f"for the other loads add what {LOAD} says to them. The friction is that of all recordings."
+    )
 
 
 def _note(model: FrictionModel, undetermined: Sequence[str]) -> FrictionModel:

@@ -27,13 +27,16 @@ from .settings import VERDICT
 _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 
-def write_base_model(recordings: Sequence[Recording], baseline: Baseline, *, cancels: bool = False) -> FrictionModel:
-    """Friction of the refitted base; `cancels` says whether its constant torque may all be gravity."""
-    plant = baseline.structure.unpack_plant(baseline.fit.theta)
+def write_base_model(
+    recordings: Sequence[Recording], joint: Baseline | RefittedJoint, *, cancels: bool = False
+) -> FrictionModel:
+    """Friction and rigid body of a joint without its effects; `cancels` says whether its constant torque may all be
+    gravity."""
+    plant = joint.structure.unpack_plant(joint.fit.theta)
     shared = _share_offset(plant, cancels=cancels)
     terms = (BidirectionalStribeck(*_build_pair(shared, VERDICT.exponent)),)
-    dynamics = _describe_dynamics(shared, late=-baseline.structure.contexts[0].acts_late)
-    return _write_model(recordings, baseline.structure.contexts, terms, dynamics, plant.offset)
+    dynamics = _describe_dynamics(shared, late=-joint.structure.contexts[0].acts_late)
+    return _write_model(recordings, joint.structure.contexts, terms, dynamics, plant.offset)
 
 
 def write_extended_model(
