@@ -82,8 +82,8 @@ def diagnose(
         MissingExtraError: A package is not installed; the message names the extra that brings it.
     """
     require("ruptures", extra="diagnose")
-    several = isinstance(recordings, Sequence) and not isinstance(recordings, str)
-    given: list[Recording | Path] = [take_recording(one) for one in (recordings if several else [recordings])]  # type: ignore[list-item]
+    series: Sequence[Source] = recordings if isinstance(recordings, list | tuple) else [recordings]  # type: ignore[list-item]
+    given = [take_recording(one) for one in series]
     settings: dict[str, Any] = {
         "joint": joint, "thorough": thorough, "seed": seed, "progress": progress,
         "controller": read_controller(Path(controller)) if isinstance(controller, str | os.PathLike) else controller,

@@ -100,7 +100,7 @@ def identify(
         RecordingError: A file cannot be read, or the recording cannot be used as it is.
     """
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
-    source: Any = take_recording(data) if torque is None and is_motion(data) else data  # type: ignore[arg-type]
+    source: Any = take_recording(data) if torque is None and is_motion(data) else data
     if torque is not None:
         if isinstance(data, Recording | str | os.PathLike):
             raise IdentificationError("torque belongs to velocities: leave it out beside a recording or a file")

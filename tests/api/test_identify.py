@@ -116,10 +116,11 @@ def test_a_frame_of_a_motion_is_a_recording_and_several_are_refused() -> None:
     assert float(found.model.torque(0.5)) == pytest.approx(0.5, rel=0.03)
     recording = fricomp.Recording.from_pandas(frame)
     with pytest.raises(IdentificationError, match="identify takes one"):
-        fricomp.identify([recording, recording])  # type: ignore[arg-type]
+        fricomp.identify([recording, recording])
 
 
 def test_what_is_no_path_no_recording_and_no_model_is_refused_by_its_type() -> None:
-    for call, given in ((fricomp.read_recording, 3), (fricomp.load_model, None), (fricomp.Compensator, "x.csv".encode)):
+    calls: list[tuple[Any, Any]] = [(fricomp.read_recording, 3), (fricomp.load_model, None), (fricomp.Compensator, 1.0)]
+    for call, given in calls:
         with pytest.raises(FricompError, match="is no "):
-            call(given)  # type: ignore[operator]
+            call(given)

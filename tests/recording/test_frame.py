@@ -87,4 +87,4 @@ def test_times_in_a_column_are_seconds_whatever_their_type(kind: str) -> None:
 
 def test_what_is_no_data_frame_is_refused_by_its_type() -> None:
     with pytest.raises(RecordingError, match="ndarray is no data frame"):
-        Recording.from_pandas(np.zeros((3, 3)))  # type: ignore[arg-type]
+        Recording.from_pandas(np.zeros((3, 3)))
