@@ -1,5 +1,6 @@
 """Simulations as robots ship them, read for their mass and kinematics: what is only seen or touched plays no part."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -138,6 +139,16 @@ def list_mimics(model: Any) -> list[Mimic]:
         shape = Polynomial(model.eq_data[e][:5]).trim()
         found.append(Mimic(follower, leader, shape(Polynomial([-shift, 1.0])) + start))
     return found
+
+
+def list_followers(model: Any, leaders: Sequence[int]) -> list[Mimic]:
+    """Joints that an equality ties to one of these, and that are none of them.
+
+    Args:
+        model: A compiled model.
+        leaders: Numbers of joints.
+    """
+    return [one for one in list_mimics(model) if one.leader in leaders and one.follower not in leaders]
 
 
 def _remove_shapes(mujoco: Any, spec: Any, path: Path) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.root_mean_square import compute_rms
 
-from .confirmation import ConfirmedData, HeldOutErrors, without_term
+from .confirmation import ConfirmedData, HeldOutErrors
 from .coordinates import ArmModel
 from .fit import ArmFit
 from .friction import TERMS
@@ -212,7 +212,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             return ArmAnswer(final, evidence, errors, delays)
         less = fit.model
         for joint, term in _choose_weakest(weak):
-            less = without_term(less, joint, term)
+            less = less.without_terms(joint, term)
         fit, equations = fit_robustly(arm, rows, equations, less, prior, settled=True)
 
 
@@ -251,7 +251,7 @@ def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term:
     A gain must do better than links that may weigh anything and a rotor that may be less than none: a sensor that asks
     for such a one is wrong in another way.
     """
-    less = without_term(fit.model, *term)
+    less = fit.model.without_terms(*term)
     if term[1] == "torque_gain_error":
         opened = less.opened | frozenset(range(term[0], len(fit.arm.links)))
         less = replace(less, opened=opened, rotorless=less.rotorless - {term[0]})

@@ -267,7 +267,7 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
         *say_offsets(record.joints),
         *say_unnamed(record.joints),
         *say_creep(record.joints),
-        *(_say_joint(joint) for joint in record.joints),
+        *(_say_effect(joint.name, effect) for joint in record.joints for effect in joint.effects),
         *say_scaled(record.joints),
         *say_lone_link(record.lone_link),
         *(say_link(link) for link in record.links if link.state == "off"),
@@ -283,22 +283,13 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     )
 
 
-def _say_joint(joint: JointRecord) -> str:
-    errors = (
-        f"{joint.name}: held-out torque error {joint.error_simulation:.3g} {joint.unit} by the simulation with Coulomb "
-        f"and viscous friction, {joint.error_model:.3g} {joint.unit} by this model"
-    )
-    effects = "; ".join(_say_effect(effect) for effect in joint.effects)
-    return f"{errors}. There, {effects}." if effects else f"{errors}."
-
-
-def _say_effect(effect: JointEffect) -> str:
+def _say_effect(joint: str, effect: JointEffect) -> str:
     numbers = ", ".join(f"{name.replace('_', ' ')} {show_quantity(one)}" for name, one in effect.parameters.items())
     names = (*effect.indistinguishable_from, *(f"{link} weighing something else" for link in effect.links_instead))
     alike = f", or {' or '.join(names)}" if names else ""
     return (
-        f"{effect.name}{alike}: {say_what(effect)} [{effect.equation}]; {numbers}; it lowers the error by "
-        f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording"
+        f"{joint}, {effect.name}{alike}: {say_what(effect)} [{effect.equation}]; {numbers}; it lowers the error by "
+        f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording."
     )
 
 

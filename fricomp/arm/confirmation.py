@@ -20,7 +20,7 @@ from .coordinates import ArmModel
 from .equation_sums import EquationSums
 from .equations import ArmEquations
 from .fit import ArmFit, fit_arm
-from .friction import PLAIN, JointForm
+from .friction import JointForm
 from .prior import ArmPrior
 from .rigid.simulated_arm import SimulatedArm
 from .row_weights import BoolArray
@@ -68,21 +68,6 @@ class HeldOutErrors:
     lasting: FloatArray
 
 
-def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
-    """The model without one term of a joint, and without what was held at zero beside it."""
-    forms = list(model.forms)
-    forms[joint] = forms[joint].without_term(term)
-    kept = frozenset(one for one in model.pinned if one[0] != joint or one[1] not in PLAIN)
-    return replace(model, forms=tuple(forms), pinned=kept)
-
-
-def without_terms(model: ArmModel, joint: int, terms: Sequence[str]) -> ArmModel:
-    """The model without several terms of a joint."""
-    for term in terms:
-        model = without_term(model, joint, term)
-    return model
-
-
 class ConfirmedData:
     """A recording cut into blocks, whose sums are added up once.
 
@@ -114,7 +99,7 @@ class ConfirmedData:
                 part = EquationSums.join([one for one, kept in zip(self._sums, half, strict=True) if kept])
                 whole = fit_arm(self._arm, part, fit.model, self.prior, fit, steps=3)
                 for (j, name), seen in votes.items():
-                    less = fit_arm(self._arm, part, without_term(fit.model, j, name), self.prior, whole, steps=3)
+                    less = fit_arm(self._arm, part, fit.model.without_terms(j, name), self.prior, whole, steps=3)
                     again = name != "cogging" or self._finds_order_again(j, less, half[self._block])
                     seen.append(whole.log_evidence > less.log_evidence and again)
         return {key: float(np.mean(seen)) for key, seen in votes.items()}

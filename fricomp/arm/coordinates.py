@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fricomp.laws import FloatArray
 
 from .equations import N_LAST, count_columns, find_reached
-from .friction import GEARS, TERMS, JointForm, column_names
+from .friction import GEARS, PLAIN, TERMS, JointForm, column_names
 from .prior import ArmPrior
 from .prior.sizes import PriorSizes, size_friction
 from .rigid.inertia import N_INERTIA
@@ -61,6 +61,18 @@ class ArmModel:
     def geared(self) -> bool:
         """Whether a gear of some joint has a gap or gives way."""
         return any(form.geared for form in self.forms)
+
+    def with_form(self, joint: int, form: JointForm) -> ArmModel:
+        """The model with another friction of one joint."""
+        return replace(self, forms=(*self.forms[:joint], form, *self.forms[joint + 1 :]))
+
+    def without_terms(self, joint: int, *terms: str) -> ArmModel:
+        """The model without some terms of a joint, and without what plain friction was held at zero beside them."""
+        form = self.forms[joint]
+        for term in terms:
+            form = form.without_term(term)
+        kept = frozenset(one for one in self.pinned if one[0] != joint or one[1] not in PLAIN)
+        return replace(self.with_form(joint, form), pinned=kept)
 
 
 class Coordinates:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import chi2
 
-from .confirmation import without_term
 from .coordinates import ArmModel
 from .equations import ArmEquations
 from .fit import Z95, ArmFit
@@ -100,9 +99,7 @@ def _drop_empty_form(fit: ArmFit) -> ArmModel | None:
     joint, name = min(sizes, key=lambda key: sizes[key], default=(0, ""))
     if not name or sizes[joint, name] >= 1.0:
         return None
-    forms = list(fit.model.forms)
-    forms[joint] = JointForm(tuple(term for term in forms[joint].terms if term[0] != name))
-    return replace(fit.model, forms=tuple(forms))
+    return fit.model.with_form(joint, JointForm(tuple(one for one in fit.model.forms[joint].terms if one[0] != name)))
 
 
 def _drop_needless_bend(
@@ -122,11 +119,11 @@ def _drop_needless_bend(
         if (j, form) in kept:
             continue
         for name in (one for one in form.names if TERMS[one].family == "speed"):
-            instead = suit_curve(rows, equations, fit, prior, without_term(fit.model, j, name), j)
+            instead = suit_curve(rows, equations, fit, prior, fit.model.without_terms(j, name), j)
             if instead is not None and instead.lost < EVIDENCE:
                 return instead.model
         if "presliding_hysteresis" in form.names:
-            less = without_term(fit.model, j, "presliding_hysteresis")
+            less = fit.model.without_terms(j, "presliding_hysteresis")
             creeping = suit_creep(rows, equations, fit, prior, less, j)
             if creeping.lost < EVIDENCE:
                 return creeping.model
@@ -178,7 +175,7 @@ def _drop_far_gain(fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
 def _drop_reversed_term(fit: ArmFit) -> ArmModel | None:
     """The model without a term that came out turned round; None for no such."""
     turned = find_reversed_term(fit)
-    return None if turned is None else without_term(fit.model, *turned)
+    return None if turned is None else fit.model.without_terms(*turned)
 
 
 def _drop_turned_delay(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> ArmModel | None:
@@ -193,4 +190,4 @@ def _drop_turned_delay(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prio
         return None
     glance, torques = Glance(equations, fit, prior), EarlyTorques(rows, equations, fit)
     unshown = next((j for j in early if not torques.shows(j, glance)), None)
-    return None if unshown is None else without_term(fit.model, unshown, "torque_delay")
+    return None if unshown is None else fit.model.without_terms(unshown, "torque_delay")

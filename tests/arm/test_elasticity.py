@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from fricomp.arm import ArmRecord, examination, examine_arm
-from fricomp.arm.confirmation import without_term
 from fricomp.arm.examination import match_recordings
 from fricomp.arm.identification import ArmIdentification, identify_arm, identify_without
 from fricomp.arm.output.choice import prepare_files
@@ -122,7 +121,7 @@ def test_what_is_barred_is_not_taken_in(tmp_path: Path) -> None:
     recordings = record_arm(simulation, follow_load, duration=10.0, rate=100.0)
     found = identify_arm(*examination.match_recordings(recordings, simulation))
     joint = next(j for j, form in enumerate(found.fit.model.forms) if "load_coulomb" in form.names)
-    less = replace(found, fit=replace(found.fit, model=without_term(found.fit.model, joint, "load_coulomb")))
+    less = replace(found, fit=replace(found.fit, model=found.fit.model.without_terms(joint, "load_coulomb")))
     names = {barred: _search_on(less, barred=barred).fit.model.forms[joint].names for barred in (False, True)}
     assert "load_coulomb" in names[False]
     assert "load_coulomb" not in names[True]

@@ -10,7 +10,6 @@ import pytest
 
 from fricomp.arm import ArmExamination, build_friction_model, examine_arm
 from fricomp.arm.columns import stribeck_columns
-from fricomp.arm.confirmation import without_term
 from fricomp.arm.coordinates import ArmModel, Coordinates
 from fricomp.arm.equations import build_equations
 from fricomp.arm.examination import match_recordings
@@ -159,7 +158,7 @@ def test_a_bend_over_the_speed_stands_against_the_curve_that_suits_its_joint(cur
     found = curved.answer.identification
     drag = replace(found.fit.model, forms=(JointForm((("quadratic_drag", 0),)), *found.fit.model.forms[1:]))
     fit = fit_arm(found.fit.arm, found.equations, drag, found.prior, found.fit)
-    plain = without_term(drag, 0, "quadratic_drag")
+    plain = drag.without_terms(0, "quadratic_drag")
     instead = suit_curve(found.rows, found.equations, fit, found.prior, plain, 0)
     assert instead is not None
     assert instead.model.forms[0].names == ("stribeck",)
@@ -171,7 +170,7 @@ def test_where_no_curve_falls_with_the_speed_none_stands_against_a_bend(tmp_path
     drag = record_arm(simulation, lambda j, _, v, __: 0.3 * (j == 1) * v * np.abs(v), noise=0.1, duration=20.0)
     found = examine_arm(drag, simulation).answer.identification
     assert "quadratic_drag" in found.fit.model.forms[1].names
-    plain = without_term(found.fit.model, 1, "quadratic_drag")
+    plain = found.fit.model.without_terms(1, "quadratic_drag")
     instead = suit_curve(found.rows, found.equations, found.fit, found.prior, plain, 1)
     assert instead is None or instead.lost > 50.0
 
@@ -192,7 +191,7 @@ def test_a_term_that_comes_out_below_zero_is_none(curved: ArmExamination) -> Non
 def test_a_glance_weighs_a_model_without_what_the_fit_has(curved: ArmExamination) -> None:
     """Links are nearly linear, so that it finds what a fit would."""
     found = curved.answer.identification
-    less = without_term(found.fit.model, 2, "stribeck")
+    less = found.fit.model.without_terms(2, "stribeck")
     fitted = fit_arm(found.fit.arm, found.equations, less, found.prior, found.fit)
     glance = Glance(found.equations, found.fit, found.prior)
     loss = fit_arm(found.fit.arm, found.equations, found.fit.model, found.prior, found.fit).log_evidence

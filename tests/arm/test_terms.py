@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.arm import build_friction_model, examine_arm
 from fricomp.arm.columns import turn_bristle
-from fricomp.arm.confirmation import ConfirmedData, without_term
+from fricomp.arm.confirmation import ConfirmedData
 from fricomp.arm.friction import TERMS, JointForm, column_names, find_columns
 from fricomp.laws import FloatArray
 
@@ -68,7 +68,7 @@ def test_what_is_weak_is_named_by_means_over_which_noise_averages_out(tmp_path: 
     found = examined.answer.identification
     fit, data = found.fit, ConfirmedData(found.fit.arm, found.equations, found.prior, found.rows)
     (_, after, _), (_, before, _) = (
-        data.measure_model(model, fit) for model in (fit.model, without_term(fit.model, 1, "position_coulomb"))
+        data.measure_model(model, fit) for model in (fit.model, fit.model.without_terms(1, "position_coulomb"))
     )
     falls = 1.0 - after[:, 1] / before[:, 1]
     assert falls[0] < 0.1 < falls[-1]

@@ -24,7 +24,6 @@ from fricomp.evaluation.arm import JointErrors
 from fricomp.evaluation.settings import HORIZONS
 
 from ..answer import ArmAnswer
-from ..confirmation import without_terms
 from ..coordinates import ArmModel
 from ..fit import ArmFit, fit_arm
 from ..friction import GEARS, TERMS
@@ -157,7 +156,7 @@ def _measure(made: WrittenFiles, trial: FileTrial, fit: ArmFit, prior: ArmPrior)
     named = {j: trial.answer.list_named(j) for j in range(len(fit.arm.joints))}
     equations = trial.answer.identification.equations.with_rows(trial.trained)
     less = {
-        fit.arm.joints[j]: fit_arm(fit.arm, equations, without_terms(fit.model, j, names), prior, fit)
+        fit.arm.joints[j]: fit_arm(fit.arm, equations, fit.model.without_terms(j, *names), prior, fit)
         for j, names in named.items()
         if names
     }

@@ -37,7 +37,7 @@ from fricomp.root_mean_square import compute_rms
 
 from ..answer import ArmAnswer
 from ..arm_recording import find_start_temperature
-from ..confirmation import ConfirmedData, without_terms
+from ..confirmation import ConfirmedData
 from ..examination import ArmExamination
 from ..friction import TERMS
 from ..friction_model import build_friction_model
@@ -79,7 +79,7 @@ def _diagnose(
     answer, record = examination.answer, examination.record.joints[joint]
     found = answer.identification
     names = answer.list_named(joint)
-    less = data.leave_out(without_terms(found.fit.model, joint, names), found.fit) if names else after
+    less = data.leave_out(found.fit.model.without_terms(joint, *names), found.fit) if names else after
     used, noise = found.equations.moving[:, joint], float(found.equations.weights.noise[joint])
     left = _LeftOut(less[used, joint], after[used, joint], noise)
     series = _collect_rows(answer, joint, left)

@@ -15,7 +15,7 @@ from numpy.polynomial import Polynomial
 
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray
-from fricomp.simulation_file import compile_simulation, list_mimics
+from fricomp.simulation_file import compile_simulation, list_followers, list_mimics
 
 from .inertia import LinkCoordinates, combine_inertia
 from .kinematics import JointMotion, move_bodies
@@ -233,7 +233,9 @@ def read_arm(
     dofs = model.jnt_dofadr[ids]
     _refuse_floating(model, ids, path)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT) | int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
-    followers = _find_followers(model, ids)
+    followers = tuple(
+        Follower(model.joint(one.follower).name, ids.index(one.leader), one.path) for one in list_followers(model, ids)
+    )
     moved = _find_moved(model, [*ids, *(every.index(one.name) for one in followers)])
     carried = {body: [each for each in range(model.nbody) if _link_of(model, each, moved) == body] for body in moved}
     moving = {*matched.values(), *(one.name for one in followers)}
@@ -288,15 +290,6 @@ def _refuse_floating(model: Any, joints: Sequence[int], path: str | Path) -> Non
                     "of the file"
                 )
             body = int(model.body_parentid[body])
-
-
-def _find_followers(model: Any, joints: Sequence[int]) -> tuple[Follower, ...]:
-    """Joints that follow a recorded one."""
-    return tuple(
-        Follower(model.joint(one.follower).name, joints.index(one.leader), one.path)
-        for one in list_mimics(model)
-        if one.leader in joints and one.follower not in joints
-    )
 
 
 def _place_still(model: Any, recorded: Sequence[int], still: Mapping[int, float]) -> FloatArray:

@@ -6,7 +6,6 @@ far more probable. Friction that creeps may have kept it out too, which left the
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 from ..coordinates import ArmModel
@@ -50,7 +49,7 @@ def find_bend(glance: Glance, fit: ArmFit, joint: int) -> Bend | None:
         there = glance.solve(model)
         return is_physical(there, fit) and ("stribeck" not in model.forms[joint].names or is_curve(there, joint))
 
-    bare = _drop_curve(fit.model, joint)
+    bare = fit.model.without_terms(joint, "stribeck")
     curves = [hold_curve(fit.model, joint)] if "stribeck" in fit.model.forms[joint].names else []
     curves = [bare, *filter(is_possible, [*curves, *add_term(bare, joint, TERMS["stribeck"])])]
     bent = [(term.name, one) for term in _BENDS for curve in curves for one in add_term(curve, joint, term)]
@@ -60,10 +59,3 @@ def find_bend(glance: Glance, fit: ArmFit, joint: int) -> Bend | None:
         return None
     gain, name, model = best
     return Bend(name, model, gain - max(map(glance.measure_gain, curves)))
-
-
-def _drop_curve(model: ArmModel, joint: int) -> ArmModel:
-    """The model without the curve of a joint, and without what was held at zero beside it."""
-    forms = list(model.forms)
-    forms[joint] = forms[joint].without_term("stribeck")
-    return replace(model, forms=tuple(forms), pinned=frozenset(one for one in model.pinned if one[0] != joint))

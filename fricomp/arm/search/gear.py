@@ -10,7 +10,7 @@ the motor's.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
@@ -233,10 +233,7 @@ class GearSearch:
         glance, name = Glance(self._fill(equations, tried), fit, prior), self._kind.term
         for j, gear in gears.items():
             rigid = fit.model.forms[j].without_term(name)
-            without, model = (
-                replace(fit.model, forms=(*fit.model.forms[:j], form, *fit.model.forms[j + 1 :]))
-                for form in (rigid, rigid.with_term(name, 0))
-            )
+            without, model = (fit.model.with_form(j, form) for form in (rigid, rigid.with_term(name, 0)))
             away = (glance.solve(model).friction(j)[TERMS[name].names(0)[0]] - 1.0) / self._kind.spread
             gain = glance.measure_gain(model) - glance.measure_gain(without)
             tried[j] = _Tried(gear, gain - 0.5 * float(away) ** 2)

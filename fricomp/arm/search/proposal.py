@@ -30,7 +30,7 @@ def add_term(model: ArmModel, joint: int, term: JointTerm) -> Iterator[ArmModel]
     joint has the term."""
     form = model.forms[joint]
     for variant in range(len(term.values)) if term.name not in form.names else ():
-        other = _with_form(model, joint, form.with_term(term.name, variant))
+        other = model.with_form(joint, form.with_term(term.name, variant))
         yield hold_curve(other, joint) if term.filled == "stribeck" else other
         if term.replaces:
             yield replace(other, pinned=model.pinned | {(joint, name) for name in term.replaces})
@@ -44,7 +44,3 @@ def _suits(term: JointTerm, form: JointForm, *, rotary: bool) -> bool:
     """
     timed = term.name == CREEP and any(TERMS[name].filled == "delay" for name in form.names)
     return not timed and (rotary or term.on_slides is not None)
-
-
-def _with_form(model: ArmModel, joint: int, form: JointForm) -> ArmModel:
-    return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))

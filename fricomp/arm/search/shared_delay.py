@@ -110,7 +110,7 @@ def agree(values: FloatArray, spread: FloatArray, chance: float = _CHANCE) -> bo
 
 def is_before_most(glance: Glance, fit: ArmFit, joint: int) -> bool:
     """Whether a joint asks for a delay that is surely less than what most joints ask for."""
-    joints, delays, spread = _ask_joints(replace(fit, model=_without_own(fit.model, joint)), glance)
+    joints, delays, spread = _ask_joints(replace(fit, model=fit.model.without_terms(joint, _OWN)), glance)
     middle = float(np.median(delays))
     return float(delays[joints == joint][0]) < middle - _SURE_APART * _measure_width(delays, spread)
 
@@ -127,14 +127,8 @@ def share_delays(model: ArmModel) -> ArmModel:
     """The model without delays of single joints where most joints have one: then it is one of all."""
     own = [j for j, form in enumerate(model.forms) if _OWN in form.names]
     for j in own if 2 * len(own) > len(model.forms) else ():
-        model = _without_own(model, j)
+        model = model.without_terms(j, _OWN)
     return model
-
-
-def _without_own(model: ArmModel, joint: int) -> ArmModel:
-    forms = list(model.forms)
-    forms[joint] = forms[joint].without_term(_OWN)
-    return replace(model, forms=tuple(forms))
 
 
 def measure_seen(more: float, before: float, moved: float) -> float:

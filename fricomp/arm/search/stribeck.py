@@ -144,7 +144,7 @@ def _list_others(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> list[
     for j, form, term in curved:
         now = glance.measure_gain(_hold_moves(fit.model, j, term))
         for k in range(len(TERMS[term].values)):
-            other = replace(fit.model, forms=_change_form(fit.model, j, form.with_variant(term, k)))
+            other = fit.model.with_form(j, form.with_variant(term, k))
             gain = glance.measure_gain(other) - now  # it may move, as it will
             if gain > _BETTER and (term == CREEP or is_curve(glance.solve(hold_curve(other, j)), j)):
                 gains.append((gain, other))
@@ -195,7 +195,7 @@ def suit_creep(
         joint: Its number.
     """
     glance, size = Glance(equations, fit, prior), len(TERMS[CREEP].values)
-    bare = replace(other, forms=_change_form(other, joint, other.forms[joint].without_term(CREEP)))
+    bare = other.with_form(joint, other.forms[joint].without_term(CREEP))
     every = [_with_curve(bare, joint, k, CREEP) for k in range(size)]
     starts = [max(own, key=glance.measure_gain) for own in (_pick(every, rounded=one) for one in (False, True))]
     now, found = _weigh_still(equations, fit, prior), []
@@ -212,11 +212,7 @@ def _pick(models: Sequence[ArmModel], *, rounded: bool) -> list[ArmModel]:
 
 def _with_curve(model: ArmModel, joint: int, variant: int, term: str = "stribeck") -> ArmModel:
     """The model with a curve in a joint that has none."""
-    return replace(model, forms=_change_form(model, joint, model.forms[joint].with_term(term, variant)))
-
-
-def _change_form(model: ArmModel, joint: int, form: JointForm) -> tuple[JointForm, ...]:
-    return (*model.forms[:joint], form, *model.forms[joint + 1 :])
+    return model.with_form(joint, model.forms[joint].with_term(term, variant))
 
 
 def _weigh_still(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> float:

@@ -6,6 +6,7 @@ a joint is such noise as well until it is found; the cutoff that is right with i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ from ..coordinates import ArmModel
 from ..encoder_noise import is_blurred
 from ..equations import ArmEquations, build_equations
 from ..fit import ArmFit, fit_arm
-from ..friction import GEARS
+from ..friction import GEARS, Filled
 from ..prior import ArmPrior
 from ..rigid.simulated_arm import SimulatedArm
 from ..robust_fit import fit_robustly
@@ -152,10 +153,22 @@ def choose_again(
 
 def look_again(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> BandLook:
     """The same of what was found at other rows."""
+    return _look(fit.arm, rows, carry_over(rows, equations, fit), fit.model, prior)
+
+
+def carry_over(rows: ArmRows, equations: ArmEquations, fit: ArmFit, gears: Sequence[Filled] = GEARS) -> ArmEquations:
+    """The equations at other rows, with the waves and gears that were found.
+
+    Args:
+        rows: At which they are built.
+        equations: That hold what was found.
+        fit: Of these equations.
+        gears: What of gears is taken over.
+    """
     bare = build_equations(fit.arm, rows, fit.compute_load(rows)).with_ripple(rows, equations.ripple)
-    for filled in GEARS if fit.model.geared else ():
+    for filled in gears if fit.model.geared else ():
         bare = GearSearch(GearMotion(rows, fit), filled).build(bare, equations.gears[filled])
-    return _look(fit.arm, rows, bare, fit.model, prior)
+    return bare
 
 
 def _look(arm: SimulatedArm, rows: ArmRows, bare: ArmEquations, model: ArmModel, prior: ArmPrior) -> BandLook:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arm_recording import ArmRecording
-from ..equations import ArmEquations, build_equations
+from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
 from ..friction import GEARS, TERMS, JointForm
 from ..prior import ArmPrior
@@ -22,7 +22,7 @@ from ..rows import ArmRows, build_rows
 from ..search.gear import GAP, YIELDING_GEAR, GearSearch
 from ..search.gear_motion import GearMotion
 from ..search.judge import JointJudges
-from .bandwidth import CUTOFFS, MOST_OF_RATE, begin_search, is_long_enough, look_again
+from .bandwidth import CUTOFFS, MOST_OF_RATE, begin_search, carry_over, is_long_enough, look_again
 
 _OTHER, _SURELY = 1.5, 2.0
 """Ratio by which a gear that gives way must be surely stiffer or softer in half of the band, and standard deviations of
@@ -120,8 +120,7 @@ def _fit_gaps(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPri
     """Gaps at other rows, in joints whose gear is known not to be rigid."""
     forms = fit.model.forms
     rigid = tuple(JointForm(tuple(term for term in form.terms if TERMS[term[0]].filled not in GEARS)) for form in forms)
-    bare = build_equations(fit.arm, rows, fit.compute_load(rows)).with_ripple(rows, equations.ripple)
-    bare = GearSearch(GearMotion(rows, fit), "spring").build(bare, equations.gears["spring"])
+    bare = carry_over(rows, equations, fit, ("spring",))
     without, seen = fit_robustly(fit.arm, rows, bare, replace(fit.model, forms=rigid), prior)
     search, gapped = GearSearch(GearMotion(rows, without), "gap"), without
     for _ in range(_ROUNDS):

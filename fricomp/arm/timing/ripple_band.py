@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..arm_recording import ArmRecording
 from ..coordinates import ArmModel
-from ..equations import ArmEquations, build_equations
+from ..equations import ArmEquations
 from ..fit import ArmFit
-from ..friction import GEARS
 from ..glance import Glance
 from ..prior import ArmPrior
 from ..rigid.inertia import N_INERTIA
 from ..robust_fit import fit_robustly
 from ..rows import ArmRows, build_rows
-from ..search.gear import GearSearch
-from ..search.gear_motion import GearMotion
 from ..search.ripple import propose_ripples
-from .bandwidth import CUTOFFS, MOST_DEARER, MOST_OF_RATE
+from .bandwidth import CUTOFFS, MOST_DEARER, MOST_OF_RATE, carry_over
 from .gear_band import BandFit, choose_gain
 
 _RIPPLE = "cogging"
@@ -61,10 +56,7 @@ def _compare_links(one: ArmFit, other: ArmFit) -> float:
 
 def _fit_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> BandFit:
     """Waves at other rows, one joint after the other."""
-    bare = build_equations(fit.arm, rows, fit.compute_load(rows)).with_ripple(rows, equations.ripple)
-    for filled in GEARS if fit.model.geared else ():
-        bare = GearSearch(GearMotion(rows, fit), filled).build(bare, equations.gears[filled])
-    there, seen = fit_robustly(fit.arm, rows, bare, fit.model, prior)
+    there, seen = fit_robustly(fit.arm, rows, carry_over(rows, equations, fit), fit.model, prior)
     total = 0.0
     while True:
         seen = propose_ripples(rows, seen, there)
@@ -81,9 +73,8 @@ def _fit_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit, prior: Arm
 
 def _add_ripple(model: ArmModel) -> list[ArmModel]:
     """The model with a wave more, in each joint that has none."""
-    forms = model.forms
     return [
-        replace(model, forms=(*forms[:j], form.with_term(_RIPPLE, 0), *forms[j + 1 :]))
-        for j, form in enumerate(forms)
+        model.with_form(j, form.with_term(_RIPPLE, 0))
+        for j, form in enumerate(model.forms)
         if _RIPPLE not in form.names
     ]

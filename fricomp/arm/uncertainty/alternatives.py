@@ -14,7 +14,6 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from ..confirmation import without_term
 from ..coordinates import ArmModel
 from ..equations import ArmEquations
 from ..fit import ArmFit, fit_arm
@@ -131,7 +130,7 @@ def list_links_instead(equations: ArmEquations, own: ArmFit, prior: ArmPrior, jo
         prior: How far the simulation is trusted.
         joint: Number of the joint.
     """
-    less = without_term(own.model, joint, SPRING)
+    less = own.model.without_terms(joint, SPRING)
     models = {
         name: replace(less, opened=less.opened | {i}) for i, name in enumerate(own.arm.links) if i not in less.opened
     }

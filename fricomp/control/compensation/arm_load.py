@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from fricomp.errors import ParameterError, SimulationFileError
-from fricomp.simulation_file import compile_simulation
+from fricomp.simulation_file import compile_simulation, list_followers
 
 if TYPE_CHECKING:
     from fricomp.joint import JointFeedback
@@ -78,7 +78,10 @@ class ArmLoad:
         places, dofs = ([int(table[i]) for i in ids] for table in (model.jnt_qposadr, model.jnt_dofadr))
         self._places, self._dofs = np.array(places), np.array(dofs)
         self.rotors = tuple(model.dof_armature[dofs].tolist())
-        self._followers = _find_followers(mujoco, model, ids)
+        self._followers = [
+            (int(model.jnt_qposadr[one.follower]), int(model.jnt_dofadr[one.follower]), ids.index(one.leader), one.path)
+            for one in list_followers(model, ids)
+        ]
         self._is_row = all(np.all(np.diff(each) == 1) for each in (places, dofs)) and not self._followers
         self._pack = Struct(f"{len(ids)}d")
         self._at = _BYTES * places[0], _BYTES * dofs[0]
@@ -148,14 +151,3 @@ class ArmLoad:
             f"position, velocity and acceleration must be {n} numbers each, for {', '.join(self.joints)}; got "
             + ", ".join(f"{len(one)}" if hasattr(one, "__len__") else repr(one) for one in given)
         )
-
-
-def _find_followers(mujoco: Any, model: Any, joints: Sequence[int]) -> list[tuple[int, int, int, Any]]:
-    """Place, degree of freedom, number of the leader and path of each joint that an equality ties to one of these."""
-    from fricomp.simulation_file import list_mimics
-
-    return [
-        (int(model.jnt_qposadr[one.follower]), int(model.jnt_dofadr[one.follower]), joints.index(one.leader), one.path)
-        for one in list_mimics(model)
-        if one.leader in joints and one.follower not in joints
-    ]

@@ -49,6 +49,21 @@ def compute_brier(beliefs: Sequence[Belief]) -> float:
     return float(np.mean([(one.probability - one.right) ** 2 for one in beliefs])) if beliefs else float("nan")
 
 
+def describe_beliefs(beliefs: Sequence[Belief], *, named: bool) -> list[tuple[str, str]]:
+    """Whether the probabilities hold, by names and values of figures: their Brier score, and how often each tenth of
+    them was right; none where there are no probabilities.
+
+    Args:
+        beliefs: Of all cases.
+        named: Whether the names that were given have a score of their own.
+    """
+    groups = {"all probabilities (0.25 is a coin's)": beliefs}
+    groups |= {"the names that were given": [one for one in beliefs if one.named]} if named else {}
+    rows = [(f"Brier score of {name}", f"{compute_brier(some):.3f} ({len(some)})") for name, some in groups.items()]
+    tenths = [(f"right, of those with probability {tenth}", share) for tenth, share in tabulate_beliefs(beliefs)]
+    return [*rows, *tenths] if beliefs else []
+
+
 def tabulate_beliefs(beliefs: Sequence[Belief]) -> list[tuple[str, str]]:
     """Each tenth of the probabilities in which there are some, and how often they were right."""
     tenths = [min(int(10.0 * one.probability), 9) for one in beliefs]

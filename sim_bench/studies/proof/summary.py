@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...cases import CHOICES
-from ..kit.belief import compute_brier, tabulate_beliefs
+from ..kit.belief import describe_beliefs
 from ..kit.figure import (
     WEAK,
     Figure,
@@ -225,11 +225,8 @@ def _measure_beliefs(scores: Sequence[Score]) -> list[Figure[Score]]:
     """Whether the probabilities hold: their Brier score, and how often each tenth of them was right."""
     some = select(scores, lambda s: bool(s.beliefs))
     beliefs = [each for score in some for each in score.beliefs]
-    named = [each for each in beliefs if each.named]
-    rows = [("Brier score of all probabilities (0.25 is a coin's)", f"{compute_brier(beliefs):.3f} ({len(beliefs)})")]
-    rows += [("Brier score of the names that were given", f"{compute_brier(named):.3f} ({len(named)})")]
-    rows += [(f"right, of those with probability {tenth}", share) for tenth, share in tabulate_beliefs(beliefs)]
-    return [Figure(name, "–", value, None, tuple(some)) for name, value in rows] if beliefs else []
+    rows = describe_beliefs(beliefs, named=True)
+    return [Figure(name, "–", value, None, tuple(some)) for name, value in rows]
 
 
 def _list_of_effects(score: Score) -> list[KnownInterval]:

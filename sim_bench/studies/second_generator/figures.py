@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kit.belief import compute_brier, tabulate_beliefs
+from ..kit.belief import describe_beliefs
 from ..kit.figure import count_share
 from ..kit.statistics import ShareEstimate, compute_clustered_share
 from .motion import MOTIONS
@@ -50,24 +50,11 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure]:
         ("no answer at all", count_share(scores, lambda s: s.verdict == "failed")),
     ]
     figures = [Figure(name, str(share)) for name, share in shares if share.total]
-    figures += _measure_beliefs(scores)
+    beliefs = [each for score in scores for each in score.beliefs]
+    figures += [Figure(*one) for one in describe_beliefs(beliefs, named=False)]
     seconds = np.quantile([s.seconds for s in scores], [0.25, 0.5, 0.75]) if scores else np.full(3, np.nan)
     time = f"median {seconds[1]:.0f} (quartiles {seconds[0]:.0f} to {seconds[2]:.0f}; {len(scores)} cases)"
     return [*figures, Figure("seconds of a diagnosis", time)]
-
-
-def _measure_beliefs(scores: Sequence[Score]) -> list[Figure]:
-    """Whether the probabilities hold."""
-    beliefs = [each for score in scores for each in score.beliefs]
-    if not beliefs:
-        return []
-    brier = Figure(
-        "Brier score of all probabilities (0.25 is a coin's)", f"{compute_brier(beliefs):.3f} ({len(beliefs)})"
-    )
-    return [
-        brier,
-        *(Figure(f"right, of those with probability {tenth}", share) for tenth, share in tabulate_beliefs(beliefs)),
-    ]
 
 
 def _count_right(scores: Sequence[Score]) -> ShareEstimate:
