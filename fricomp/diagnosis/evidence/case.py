@@ -13,13 +13,13 @@ from fricomp.recording import Recording
 from fricomp.root_mean_square import compute_rms
 
 from ..inputs.rigid import RigidJoint, Spring
-from ..joint.base import BODY_AND_CURVES
+from ..joint.base import BODY_AND_CURVES, unpack
 from ..joint.solver import Fit
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
 from .as_given import fit_as_given
 from .comparison import Comparison, Tolerances
-from .friction_comparison import GivenFriction, compare_friction, list_friction_changes
+from .friction_comparison import GivenFriction, compare_friction, list_friction_changes, would_push
 from .refitted import RefittedJoint
 from .rigid_comparison import compare_rigid
 from .settings import GATES, PARAMETERS
@@ -53,11 +53,14 @@ class Case:
     def stated_friction(self) -> FrictionModel | None:
         """The friction model that was given, else the simulation's own friction, which both directions share.
 
-        None where there is neither: then all of it is identified, and so is its difference between the directions.
+        None where there is neither: then all of it is identified, and so is its difference between the directions, as
+        long as friction alone can make it.
         """
         rigid = self.rigid
-        if self.friction is not None or rigid is None or rigid.covariance is not None or rigid.friction_loss <= 0.0:
+        if self.friction is not None or rigid is None or rigid.covariance is not None:
             return self.friction
+        if rigid.friction_loss <= 0.0 and not would_push(unpack(self.baseline.fit.theta), rigid.offset):
+            return None
         curve = StribeckCurve(rigid.friction_loss, rigid.friction_loss, PARAMETERS.any_speed, rigid.damping)
         return FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve),)))
 

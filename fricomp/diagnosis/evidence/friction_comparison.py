@@ -54,6 +54,15 @@ class GivenFriction:
     exact: bool = True
 
 
+def would_push(plant: Plant, offset: float) -> bool:
+    """Whether friction alone would push the joint in one direction, with a constant load of `offset` [N·m] or [N].
+
+    While it slides a joint shows what each direction needs in all, and no friction is less than nothing.
+    """
+    beside = plant.offset - offset
+    return min(plant.forward[0] + beside, plant.reverse[0] - beside) < 0.0
+
+
 def compare_friction(
     plant: Plant, covariance: FloatArray, given: GivenFriction, unit: str, tolerances: Tolerances, acceleration: float
 ) -> Comparison:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from ..effects import EFFECTS
-from ..effects.effect import compute_lowest_order
+from ..effects.effect import EffectParameter, compute_lowest_order
 from ..effects.structure import N_BASE
 from ..inputs.track import FloatArray, goes_one_way
 from .refitted import RefittedJoint, condition
@@ -26,8 +26,8 @@ def list_objections(refitted: RefittedJoint, shown: Collection[str] = ()) -> dic
     """
     found = {}
     for name in refitted.structure.names:
-        absence = () if name in shown else (_find_absence,)
-        findings = (_find_end, _find_doubt, _find_lowest, _find_open, *absence, _find_trade)
+        absence = () if name in shown else (_find_another, _find_absence, _find_trade)
+        findings = (_find_end, _find_doubt, _find_periods, _find_open, *absence)
         reason = next((said for find in findings if (said := find(refitted, name))), "")
         if reason:
             found[name] = reason
@@ -65,22 +65,27 @@ def _find_doubt(refitted: RefittedJoint, name: str) -> str:
     return EFFECTS[name].doubt(values, structure.contexts) or ""
 
 
-def _find_lowest(refitted: RefittedJoint, name: str) -> str:
-    """Say that a number may as well stand at its lower bound, where the effect would be another one; empty where none
-    does.
-
-    A ripple at the lowest order has no period within the recorded range, and is anything that varies slowly.
-    """
-    lowest_order = compute_lowest_order(refitted.structure.contexts)
-    for index, (owner, parameter) in enumerate(refitted.structure.parameters, N_BASE):
-        low = float(refitted.fit.theta[index]) - 1.96 * float(refitted.deviations[index])
-        if owner != name or low > parameter.lower:
-            continue
-        if parameter.name == "order" and parameter.lower >= lowest_order:
-            return "its interval holds orders of which no period lies within the recorded range"
-        if parameter.at_lowest:
-            return f"the interval of its {parameter.name.replace('_', ' ')} holds that of {parameter.at_lowest}"
+def _find_periods(refitted: RefittedJoint, name: str) -> str:
+    """Say that a ripple may have no period within the recorded range, and be anything that varies slowly; empty where
+    it has one."""
+    least = compute_lowest_order(refitted.structure.contexts)
+    if any(one.name == "order" and one.lower >= least for one in _list_lowest(refitted, name)):
+        return "its interval holds orders of which no period lies within the recorded range"
     return ""
+
+
+def _find_another(refitted: RefittedJoint, name: str) -> str:
+    """Say that a number may as well stand at its lower bound, where the effect would be another one; empty where none
+    does."""
+    at = next((one for one in _list_lowest(refitted, name) if one.at_lowest), None)
+    return "" if at is None else f"the interval of its {at.name.replace('_', ' ')} holds that of {at.at_lowest}"
+
+
+def _list_lowest(refitted: RefittedJoint, name: str) -> list[EffectParameter]:
+    """Parameters of an effect whose 95 % interval reaches their lower bound."""
+    lows = refitted.fit.theta - 1.96 * refitted.deviations
+    parameters = enumerate(refitted.structure.parameters, N_BASE)
+    return [one for index, (owner, one) in parameters if owner == name and float(lows[index]) <= one.lower]
 
 
 def _find_open(refitted: RefittedJoint, name: str) -> str:

@@ -144,3 +144,9 @@ def test_a_gap_that_may_be_a_third_or_three_times_itself_is_no_name(deviation: f
     objections = list_objections(_refitted("backlash", deviation, gap=float(np.log(3e-3))))
     assert ("backlash" not in objections) == named
     assert named or "not determined" in objections["backlash"]
+
+
+def test_friction_that_varies_along_a_short_way_needs_no_order_where_far_less_is_explained_without_it() -> None:
+    open_ = _refitted("position_coulomb", 1.0, sine=0.4, cosine=0.2, order=1.5)
+    assert "same everywhere" in list_objections(open_)["position_coulomb"]
+    assert list_objections(open_, {"position_coulomb"}) == {}
