@@ -57,10 +57,12 @@ class GivenFriction:
 def would_push(plant: Plant, offset: float) -> bool:
     """Whether friction alone would push the joint in one direction, with a constant load of `offset` [N·m] or [N].
 
-    While it slides a joint shows what each direction needs in all, and no friction is less than nothing.
+    While it slides a joint shows what each direction needs in all, and no friction is less than nothing. Where the
+    friction falls over all of the motion, static friction is what there is of it.
     """
     beside = plant.offset - offset
-    return min(plant.forward[0] + beside, plant.reverse[0] - beside) < 0.0
+    forward, reverse = max(plant.forward[:2]), max(plant.reverse[:2])
+    return min(forward + beside, reverse - beside) < 0.0
 
 
 def compare_friction(

@@ -148,6 +148,11 @@ class Problem:
         """The residual as one weighted vector. Shape (m,)."""
         return self._weigh(self.compute_rows(observations))
 
+    def unweigh(self, vector: FloatArray) -> list[FloatArray]:
+        """Rows of each recording [N·m] or [N] of a residual. Shapes (n_rows,)."""
+        ends = np.cumsum([grid.centres.size for grid in self.grids])[:-1]
+        return np.split(vector, ends) if self.weights is None else self.weights.unweigh(vector)
+
     def _weigh(self, rows: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate(rows) if self.weights is None else self.weights.apply(rows)
 

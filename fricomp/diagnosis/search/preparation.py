@@ -12,6 +12,8 @@ from scipy.linalg import solve_toeplitz
 from scipy.ndimage import minimum_filter1d
 from scipy.signal import lfilter
 
+from fricomp.root_mean_square import compute_rms
+
 from ..effects.context import build_contexts
 from ..effects.structure import Structure
 from ..effects.time_window import find_time_windows
@@ -100,6 +102,11 @@ class Baseline:
         """Weighted residual of a fit over that of the nulls."""
         null = np.mean([vector @ vector for vector in self.null_residuals])
         return float(np.sqrt(fit.residual @ fit.residual / null))
+
+    def measure_plain(self, fit: Fit) -> float:
+        """Root mean square of the torque that a fit leaves in rows of sliding [N·m] or [N]: without weights, so that
+        fits about other bases compare with it."""
+        return compute_rms(np.concatenate(self.problem.unweigh(fit.residual))[self.sliding])
 
     def measure_typical_loudness(self, fit: Fit) -> float:
         """Typical row of sliding that a fit leaves, over that of the nulls."""
@@ -192,6 +199,7 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
         return fit, box
     found, free = tried
     before, after = (float(one.residual @ one.residual) for one in (fit, found))
+    torques = [compute_rms(np.concatenate(problem.unweigh(one.residual))) for one in (fit, found)]
     above = before - fit.residual.size
     explained = (before - after) / above if above > 0.0 else 0.0
     try:
@@ -200,7 +208,8 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) ->
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.build_vectors()])
     quiet = found.residual @ found.residual <= SEARCH.quiet_creep**2 * left
-    accepted = (quiet and after < before) or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
+    less = after < SEARCH.creep_leaves * before or torques[1] ** 2 < SEARCH.creep_leaves * torques[0] ** 2
+    accepted = (quiet and after < before) or explained > SEARCH.creep_explains or less
     return (found, free) if accepted else (fit, box)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..effects.structure import N_BASE
 from .again.late_creep import does_creep, find_late_creep
-from .again.late_joint import find_far_joint, measure_left
+from .again.late_joint import find_far_joint, measure_left, measure_plain_left
 from .again.late_noise import remeasure_noise
 from .again.lower_base import find_lower_base
 from .explanation import Explanation
@@ -87,7 +87,8 @@ def _search_with_bristle(
     baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
 ) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
     """Search again with friction that holds, where more than noise is left beside friction that creeps; keep it where
-    it leaves none. Creep draws much of what another curve over speed does, and hides the rest of it."""
+    it leaves none, and less torque. Creep draws much of what another curve over speed does, and hides the rest of it;
+    by what nulls of its own leave, a base that is far off leaves nothing."""
     if found.leading is None or measure_left(baseline, found) <= SEARCH.something_left:
         return base, baseline, found
     tell("searching again, with friction that holds")
@@ -95,7 +96,8 @@ def _search_with_bristle(
     begun = _begin_again(holding)
     if begun is None or begun[1].best is None or measure_left(*begun) > SEARCH.something_left:
         return base, baseline, found
-    return holding, *begun
+    less = measure_plain_left(*begun) < measure_plain_left(baseline, found)
+    return (holding, *begun) if less else (base, baseline, found)
 
 
 def _begin_again(

@@ -18,7 +18,7 @@ def test_a_constant_torque_is_compared_where_friction_alone_would_push(part: flo
     baseline = known_baseline()
     theta = baseline.fit.theta.copy()
     levels = [BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse")]
-    theta[levels] = 2.0
+    theta[levels], theta[[one + 1 for one in levels]] = 2.0, 0.0  # no static friction above it
     theta[BASE_NAMES.index("offset")] = 0.5 + 2.0 * part
     moved = replace(baseline, fit=replace(baseline.fit, theta=theta))
     case = known_case(moved, rigid=RigidJoint(0.4, (1.5, 2.5), 0.5, 0.0, 0.0, True))

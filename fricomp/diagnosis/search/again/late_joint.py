@@ -37,3 +37,8 @@ def find_far_joint(baseline: Baseline, found: SearchResult) -> Plant | None:
 def measure_left(baseline: Baseline, found: SearchResult) -> float:
     """Measure what the best explanation, or else the base, leaves over the noise."""
     return baseline.measure_loudness(baseline.fit if found.best is None else found.best.fit)
+
+
+def measure_plain_left(baseline: Baseline, found: SearchResult) -> float:
+    """Measure the torque that the best explanation, or else the base, leaves while the joint slides [N·m] or [N]."""
+    return baseline.measure_plain(baseline.fit if found.best is None else found.best.fit)
