@@ -15,7 +15,6 @@ __all__ = ["STICKING", "FrictionLoss", "recording", "reference_of", "simulated"]
 _STEP = 2.5e-4  # [s] of the simulation and of the loop
 _GAINS = (120.0, 6.0)  # [N·m/rad], [N·m·s/rad]
 _FILTER = 0.12  # share by which the loop's velocity follows that of the encoder in a step
-_RESOLUTION = 2.0 * np.pi / 2**18
 _NOISE = 0.06  # [N·m]
 _ORDER = 12.0  # [1/rad] of the cogging
 _XML = """<mujoco><option timestep="{step}" integrator="implicitfast"/><worldbody><body pos="0 0 1">
@@ -88,9 +87,11 @@ def reference_of(kind: str, duration: float) -> np.ndarray:
     return np.convolve(np.interp(t, times, places), window / window.sum(), "same")
 
 
-def recording(truth: FrictionLoss, kind: str, *, duration: float = 30.0, rate: int = 1000, seed: int = 0) -> Recording:
-    """What sensors record of the joint at `rate` [1/s]."""
-    time, position, torque = _moved(truth, kind, duration, rate, _RESOLUTION)
+def recording(
+    truth: FrictionLoss, kind: str, *, duration: float = 30.0, rate: int = 1000, seed: int = 0, bits: int = 18
+) -> Recording:
+    """What sensors record of the joint at `rate` [1/s], its encoder having `bits` in a turn."""
+    time, position, torque = _moved(truth, kind, duration, rate, 2.0 * np.pi / 2**bits)
     noise = _NOISE * np.random.default_rng(seed).standard_normal(position.size)
     return Recording(time, position, torque + noise)
 

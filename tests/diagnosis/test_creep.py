@@ -62,6 +62,15 @@ def test_friction_turns_over_as_smooth_curves_of_simulators_do(speed: float) -> 
         assert _held(plant, speed, 8)[-2] == pytest.approx(LEVEL * wanted, abs=0.03 * LEVEL)
 
 
+def test_creep_is_found_where_weights_of_a_bristle_hide_it() -> None:
+    """These hardly count rows about rest, in which a coarse encoder's steps are loud and creep differs most."""
+    truth = FrictionLoss()
+    tracks = build_tracks([recording(truth, "rests", duration=24.0, rate=200, bits=15)], [None])
+    plant = unpack(prepare(tracks, observer=Observer(), nulls=8, seed=0).fit.theta)
+    assert plant.creep_velocity == pytest.approx(truth.creep_velocity, rel=0.5)
+    assert [plant.forward[0], plant.reverse[0]] == pytest.approx([truth.level] * 2, rel=0.1)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("time", "kind", "rate"),
