@@ -18,7 +18,7 @@ _QUANTITIES = {
         скорость швидкість ω 角速度 速度 转速 轉速 回転数 각속도 속도 fvel""",
     "acceleration": "ddq qdd qddot acc acceleration accelerations qacc beschleunigung ускорение",
     "torque": """tau torque torques effort efforts eff moment trq torq tq tor force drehmoment kraft couple coppia
-        koppel vridmoment momentti tork nyomatek pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",
+        frc koppel vridmoment momentti tork nyomatek pwm duty момент сила усилие τ 力矩 扭矩 转矩 轉矩 トルク 토크""",
     "current": """current currents amps iq iqf curr strom courant corriente corrente akim virta
         ток струм 电流 電流 전류""",
     "temperature": "temp temperature temperatures temperatur температура 温度 溫度 온도",
@@ -41,11 +41,18 @@ _COMPOUND = re.compile(
     r"(\w+)(drehmoment|moment|geschwindigkeit|drehzahl|beschleunigung|winkel|strom|temperatur|kraft|position)"
 )
 """Words that German joins to one: `Gelenkwinkel`, `Sollposition`."""
+_GLUED = re.compile(
+    r"((?:joint|jnt|actuator|motor|axis|link)+)"
+    r"(pos|position|angle|vel|velocity|speed|acc|frc|force|torque|trq|effort|current|temp|temperature)"
+)
+"""Words that simulators and drives write as one: `jointpos`, `actuatorfrc`, `motorspeed`."""
 _JOINED = re.compile(
     r"(.+?)(角速度|位置|角度|速度|转速|轉速|力矩|扭矩|转矩|轉矩|トルク|电流|電流|温度|溫度|角|각도|위치|각속도|속도|토크|전류)"
 )
 """Words that Chinese, Japanese and Korean join to one."""
 
+
+_TWO_WORDS = (_COMPOUND, _GLUED, _JOINED)
 
 WANTED: tuple[str, ...] = (
     *("cmd", "command", "commands", "commanded", "cmptd", "ref", "reference", "des", "desired"),
@@ -77,7 +84,7 @@ def split_words(name: str) -> list[tuple[str, tuple[int, int]]]:
     for match in TOKEN.finditer(name):
         word, (start, end) = _simplify_letters(match.group()), match.span()
         is_whole = word in WORDS or len(word) > _LONGEST_WORD
-        joined = None if is_whole else _COMPOUND.fullmatch(word) or _JOINED.fullmatch(word)
+        joined = None if is_whole else next(filter(None, (one.fullmatch(word) for one in _TWO_WORDS)), None)
         if joined:
             cut = start + joined.end(1)
             words += [(joined.group(1), (start, cut)), (joined.group(2), (cut, end))]

@@ -29,7 +29,7 @@ _SPELLED = {
     "rad/s^2": "rad/s^2 rad/s/s deg/s^2=deg/s^2 deg/s/s=deg/s^2 m/s^2=m/s^2 mm/s^2=mm/s^2",
     "Nm": "nm n·m mnm=mNm mn·m=mNm nmm=mNm n·mm=mNm ncm=Ncm n·cm=Ncm cnm=Ncm knm=kNm kn·m=kNm danm=daNm dan·m=daNm"
     " 牛米 牛·米 牛顿·米 н·м нм мн·м=mNm"
-    " newton·meters newton·meter newton·metres",
+    " newton·meters newton·meter newton·metres kn·mm knmm kn·cm=daNm",
     "kgf·cm": "kgf·cm kg·cm kgfcm kgcm kgf·m=kgf·m kg·m=kgf·m kgfm=kgf·m kgm=kgf·m",
     "gf·cm": "gf·cm g·cm gfcm gcm unm=uNm un·m=uNm",
     "in·lbf": "in·lbf in·lb lbf·in lb·in inlbf inlb lbin lbfin",
@@ -84,8 +84,6 @@ _ATOMS = frozenset(
 _LONGEST_SYMBOL = 5
 """Letters of a symbol: what is shorter on both sides of a slash in brackets is a unit."""
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
-_COUNTED = re.compile(r"[\[(]\s*[x×]?\s*(\d*[.,]?\d+(?:[eE][+-]?\d+)?)\s*[x×*]?\s*([^\d\s\[\]()][^\[\]()]*)[\])]")
-"""A unit with a number before it in brackets: one of whole numbers is so many of it."""
 _STEP = re.compile(r"(?:^|[\s(])\d*\.\d+\s*$")
 """A number before a unit: `2.69 [mA]` is what a step of a register is worth."""
 _BARE = re.compile(
@@ -260,29 +258,6 @@ def make_narrow(name: str) -> str:
     return name if name.isascii() else name.translate(_WIDE)
 
 
-class UnitStep(NamedTuple):
-    """What one of whole numbers is worth.
-
-    Attributes:
-        unit: Its name.
-        worth: So many of it.
-    """
-
-    unit: str
-    worth: float
-
-
-def find_unit_step(name: str) -> UnitStep | None:
-    """The unit with a number before it that stands in brackets, `(0.1 Nm)`, `[0.01A]`; None where none does.
-
-    Args:
-        name: Of a column.
-    """
-    found = _COUNTED.search(make_narrow(name))
-    unit = read_unit(found.group(2)) if found else ""
-    return UnitStep(unit, float(found.group(1).replace(",", "."))) if found and unit else None
-
-
 def read_unit(text: str) -> str:
     """Name of the unit that a text is; empty where it is none."""
     return _NAMES.get(_spell(text, bare=True), "")
@@ -304,12 +279,19 @@ def unit_for(quantity: str, unit: str) -> str:
     return "" if unit in _SI else unit
 
 
+_NUMBER_FIRST = re.compile(
+    r"^\s*[x×]?\s*(?:1\s*/\s*)?\d*[.,]?\d+(?:[eE][+-]?\d+)?(?:\^?[-−]\d+)?\s*[x×*]?\s*(?=[^\d\s/])"
+)
+"""A number before a unit, of which whole numbers are so many: `1e-3 deg`, `1/1000 Nm`, `x0.001 rad`."""
 _AXIS = re.compile(r"[A-Z]\d{1,2}")
 """A capital and a number, as robots call their axes; no unit is written so."""
 
 
 def read_bracket(text: str) -> str:
     """The unit in brackets; empty where it is a number, a remark, or an axis: `pos[J1]`, `torque (A2)`."""
+    rest = _NUMBER_FIRST.sub("", text)
+    if rest != text and read_unit(rest):
+        return UNKNOWN_UNIT
     spelled = "" if _AXIS.fullmatch(text.strip()) else _spell(text)
     if spelled.startswith(UNKNOWN_UNIT):
         return UNKNOWN_UNIT

@@ -30,6 +30,7 @@ from .joints.joint_path import Candidates, is_complete, separate_paths
 from .joints.shared_rest import read_currents, read_shared_rests
 from .joints.two_encoders import pair_encoders
 from .position_by_rate import find_position_by_rate, is_rate_of
+from .several_units import are_one_quantity
 from .vendor import read_vendor_name, with_vendor_unit
 
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]
@@ -65,7 +66,7 @@ def choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping
     candidates = take_controls(_drop_shared_words(_find_candidates(path, columns, channels)))
     wanted = _with_temperature(candidates, _choose_joints(candidates))
     chosen = {
-        joint: _without_duty({channel: _choose_one(path, channel, own) for channel in own})
+        joint: _without_duty({channel: _choose_one(path, channel, own, columns) for channel in own})
         for joint, own in wanted.items()
     }
     taken = {name for own in candidates.values() for found in own.values() for name, _ in found}
@@ -238,7 +239,10 @@ def _with_temperature(candidates: Candidates, wanted: Candidates) -> Candidates:
 
 
 def _choose_one(
-    path: Path, channel: str, own: Mapping[str, Sequence[tuple[str, ColumnMeaning]]]
+    path: Path,
+    channel: str,
+    own: Mapping[str, Sequence[tuple[str, ColumnMeaning]]],
+    columns: Mapping[str, Samples],
 ) -> tuple[str, ColumnMeaning]:
     """The column that says the most surely that it was measured; of currents that which makes the torque."""
     most = max(meaning.certainty for _, meaning in own[channel])
@@ -246,6 +250,8 @@ def _choose_one(
     if channel == "current":
         best = [one for one in best if _TORQUE_AXIS & {word for word, _ in split_words(one[0])}] or best
     stands_in = channel == "current" and "torque" not in own
+    if len(best) > 1 and are_one_quantity([(columns[name], meaning.unit) for name, meaning in best]):
+        return min(best, key=lambda one: one[1].unit != "")
     if len(best) > 1 and (channel in ("position", "torque") or stands_in):
         joint = best[0][1].joint
         whose = f" of joint {name_joint(joint)}" if joint and len({one.joint for _, one in best}) == 1 else ""

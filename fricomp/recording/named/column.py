@@ -19,7 +19,7 @@ _MEASURED = {"measured": 2, "meas": 2, "actual": 2, "act": 2, "msr": 2, "state":
 _MEASURED |= dict.fromkeys(("feedback", "fb", "fdb", "fbk"), 1)
 _MEASURED |= {"j": 0, "present": 2, "ist": 2, "est": 0, "estimate": 0, "estimated": 0}
 _MEASURED |= {"value": 0, "values": 0, "data": 0, "signals": 0, "averaged": 0, "average": 0, "avg": 0, "mean": 0}
-_MEASURED |= {"mech": 0, "mechanical": 0, "pv": 2, "phase": -1}
+_MEASURED |= {"applied": 1, "computed": 0, "mech": 0, "mechanical": 0, "pv": 2, "phase": -1}
 _MEASURED |= {"filtered": 0, "filt": 0, "active": 0, "in": 0, "ang": 0, "angular": 0, "dreh": 0}
 _MEASURED |= {"измеренный": 2, "измеренная": 2, "измеренное": 2, "фактический": 2, "факт": 2, "угловая": 0, "실제": 2}
 """Words of columns that were measured, and how surely they say it: the feedback of a controller is a part of a command
@@ -259,7 +259,8 @@ def _find_role(k: int, words: list[tuple[str, tuple[int, int]]], at: int, quanti
         return "outside"
     if word in _RATES and k == at + 1 and quantity in ("position", "velocity"):
         return "rate"
-    if word in WANTED or (word == "d" and k > at):
+    is_asked = word == "applied" and quantity not in ("torque", "current")  # such a torque acts; a motion is commanded
+    if word in WANTED or is_asked or (word == "d" and k > at):
         return "wanted"
     if word in _MEASURED:
         return "measured"

@@ -10,7 +10,14 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.position_size import find_sign_bit
-from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_step, find_unit_words, kind_of_unit, unit_for
+from fricomp.recording.unit_step import find_unit_step
+from fricomp.recording.unit_word import (
+    UNKNOWN_UNIT,
+    find_unit_words,
+    kind_of_unit,
+    make_narrow,
+    unit_for,
+)
 from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, says_counts
@@ -23,6 +30,8 @@ _FEWEST_COUNTS = 10
 _RATED = ("torque", "torque_command", "current", "load_torque")
 _DUTY = re.compile(r"(?<![a-z])(?:duty|pwm)(?![a-z])", re.IGNORECASE)
 _PER_CENT = re.compile(r"[%]|(?<![a-z])(?:percent|pct)(?![a-z])", re.IGNORECASE)
+_PART_OF_CENT = re.compile(r"(?<![\d.,])(0[.,]0*1)\s*%")
+"""A part of a per cent as the unit of whole numbers."""
 _PER_MILLE = re.compile(
     r"‰|(?<![a-z])(?:permille|per[ _]thousand|per[ _]mille)(?![a-z])|(?<![0-9A-Fa-f])(?:0x)?607[1478](?:h|\b|_)",
     re.IGNORECASE,
@@ -41,18 +50,30 @@ _AXIS_VALUE = re.compile(r"(?:^|[./ _\]])f?Act(?:ual)?_?Pos(?:ition)?$")
 
 
 def find_rating_parts(name: str, beside: Collection[str]) -> int:
-    """Of how many parts of its rating a torque or a current consists: 100 or 1000; 0 where its name says neither.
+    """Of how many parts of its rating a torque or a current consists, 100 and more; 0 where its name says none.
 
     Args:
         name: Of the column.
-        beside: Names of all columns.
+        beside: Names of all columns, with their numbers where they are known.
     """
     tag = _LOGIX.match(name)
     axis = _SYSMAC.match(name)
     is_share = (tag and f"{tag.group(1)}.ActualPosition" in beside) or (axis and f"{axis.group(1)}.Pos" in beside)
     if _PER_CENT.search(name) or is_share:
-        return 100
+        return _count_parts(name, beside)
     return 1000 if _PER_MILLE.search(name) else 0
+
+
+def _count_parts(name: str, beside: Collection[str]) -> int:
+    """100 of what is in per cent, and more of whole numbers of which each is a part of one: `Torque[0.1%]`.
+
+    Numbers that are not whole are in per cent, and what stands before it is their resolution.
+    """
+    step = _PART_OF_CENT.search(make_narrow(name))
+    known = beside[name] if isinstance(beside, Mapping) and name in beside else np.empty(0)
+    if step is None or not known.size or not _are_whole(known):
+        return 100
+    return round(100.0 / float(step.group(1).replace(",", ".")))
 
 
 def is_duty(name: str) -> bool:
@@ -158,7 +179,8 @@ def explain_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, 
 def _ask_unit(path: Path, channel: str, column: str, meaning: ColumnMeaning, beside: Mapping[str, Samples]) -> str:
     parts = find_rating_parts(column, beside) if channel in _RATED else 0
     if parts:
-        share, of_current = ("per cent", "per mille")[parts == 1000], channel == "current"
+        share = {100: "per cent", 1000: "per mille"}.get(parts, f"parts of 1/{parts}")
+        of_current = channel == "current"
         what = "current" if of_current else "torque"
         behind = 'and torque_unit = "A"' if of_current else "times the gear ratio where the position is behind a gear"
         return (

@@ -17,6 +17,7 @@ from fricomp.recording.validity import Samples
 from .choice import TORQUES, Chosen, list_names
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, read_column_unit
 from .head_fact import say_head_facts
+from .position_by_rate import is_rate_of
 from .source import read_first_lines
 from .times.clock import find_stamps, read_times
 
@@ -52,6 +53,7 @@ def explain_missing(path: Path, columns: Mapping[str, Samples], chosen: Chosen) 
     silent = [name for name in silent if not (_goes_on(columns[name]) and name in find_stamps(columns))]  # `T` may not
     silent = [name for name in silent if not _rises_evenly(columns[name])]
     silent = [name for name in silent if not _is_of_another(name, missing)]
+    silent = [name for name in silent if missing != "torque" or not _is_velocity(columns, chosen, name)]
     likely = _choose_likely(path, columns, chosen, silent) if missing == "torque" else silent[0] if silent else ""
     likely = likely.partition(":")[0]
     such = (
@@ -102,6 +104,12 @@ def _explain_motor(path: Path, name: str, meaning: ColumnMeaning) -> str:
         "the number worked out, and scale = RATIO for a motor's torque ('fricomp convert LOG --inspect --out log.toml' "
         "begins one)"
     )
+
+
+def _is_velocity(columns: Mapping[str, Samples], chosen: Chosen, name: str) -> bool:
+    """Whether a column is the rate of a position that is known, and so no torque."""
+    positions = [columns[own["position"][0]] for own in chosen.values() if own.get("position", ("",))[0] in columns]
+    return any(is_rate_of(columns[name], position) for position in positions)
 
 
 def _find_phases(columns: Mapping[str, Samples]) -> list[str]:

@@ -46,6 +46,8 @@ _KUKA_AXIS = re.compile(r"(?:^|[./$])AXIS_?ACT[\[_. ]*(A?\d)\]?$", re.IGNORECASE
 """The system variable of a KUKA with the angles of its axes, in degrees."""
 _ACTUATOR = re.compile(r"(?:^|[./])qfrc_actuator[\[_:.]?(\w*)\]?$")
 """What MuJoCo calls the torque of all actuators at a joint."""
+_PRIMITIVE = re.compile(r"(.+[._/ ])([wt])$")
+"""Angular velocity and torque of a joint of Simscape, beside its angle `q`; Drake and others have `w` as well."""
 _POLICY = re.compile(r"(^|\.)(observation\.state|action)\.[^/]*\.pos$")
 """Positions of LeRobot: degrees, or parts of a range in per cent, as the robot was set up."""
 
@@ -111,6 +113,9 @@ def read_vendor_name(name: str, beside: Mapping[str, Samples]) -> ColumnMeaning 
     axis = _KUKA_AXIS.search(name)
     if axis:
         return ColumnMeaning("position", axis.group(1), 2, "deg")
+    primitive = _PRIMITIVE.match(name)
+    if primitive and f"{primitive.group(1)}q" in beside and f"{primitive.group(1)}w" in beside:
+        return ColumnMeaning("velocity" if primitive.group(2) == "w" else "torque", primitive.group(1)[:-1], 1, "")
     actuator = _ACTUATOR.search(name)
     if actuator:
         return ColumnMeaning("torque", actuator.group(1), 1, "")

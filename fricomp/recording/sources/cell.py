@@ -133,7 +133,12 @@ def _reorder(first: str, second: str, year: str, clock: str, half: str | None) -
     return f"{year}-{month:02d}-{day:02d} {hour:02d}:{rest}"
 
 
+_ZONE = re.compile(r"(?<=:\d\d)(\.\d+)?\s[A-Z]{3,4}$")
+"""The name of a zone behind a time of day: `10:00:00.25 UTC`. All rows have the same, so that it moves none."""
+
+
 def _parse_stamp(text: str) -> float:
+    text = _ZONE.sub(r"\1", text)
     span = _SPAN.fullmatch(text)
     if span:
         days, hours, minutes, seconds = span.groups()

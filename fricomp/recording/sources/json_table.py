@@ -26,6 +26,11 @@ _BOTH = (
 """What both are called where each is a list: of the curves of plotly, of queries for metrics."""
 
 
+_WHEN = ("sourcetimestamp", "source_timestamp", "timestamp", "time", "ts", "t", "servertimestamp", "date", "x")
+_WHAT = ("value", "val", "v", "y")
+"""What time and value of a point are called where it is an object, in small letters."""
+
+
 def tabulate(content: Any) -> Contents | None:
     """The table of a document; None where it holds neither rows nor columns.
 
@@ -165,7 +170,8 @@ def _to_number(value: Any) -> float:
 
 def _find_series(content: Any) -> Contents | None:
     """The first list of several series in a document as one table, each in rows of its own."""
-    series = next((one for one in _walk(content) if _are_series(one)), None)
+    tried = (found for one in _walk(content) for found in (one, _list_named_series(one)))
+    series = next((one for one in tried if _are_series(one)), None)
     if series is None:
         return None
     times, parts = [], []
@@ -189,13 +195,34 @@ def _are_series(content: Any) -> bool:
     return some and all(isinstance(one, dict) and bool(_get_pairs(one)) for one in content)
 
 
+def _list_named_series(content: Any) -> list[dict[str, Any]]:
+    """The series of an object that has the points of each under its name: `{"position": [{"ts": 1, "value": 2}]}`."""
+    inside = content if isinstance(content, dict) else {}
+    return [{"name": name, "points": points} for name, points in inside.items() if _are_points(points)]
+
+
+def _are_points(points: Any) -> bool:
+    return isinstance(points, list) and bool(_read_objects(points))
+
+
 def _get_pairs(series: dict[str, Any]) -> list[Any]:
     lists = {key: value for key, value in series.items() if isinstance(value, list) and len(value) >= _FEWEST_ROWS}
     if len(lists) == 2 and any(set(lists) == set(both) for both in _BOTH) and len({*map(len, lists.values())}) == 1:
         return [list(pair) for pair in zip(*lists.values(), strict=True)]
     pairs: list[Any] = next((series[name] for name in _PAIRS if isinstance(series.get(name), list)), [])
+    pairs = _read_objects(pairs) or pairs
     is_long = len(pairs) >= _FEWEST_ROWS
     return pairs if is_long and all(isinstance(pair, list) and len(pair) == 2 for pair in pairs) else []
+
+
+def _read_objects(points: list[Any]) -> list[list[Any]]:
+    """Pairs of time and value of points that are objects with both, as histories of OPC UA have them; else empty."""
+    if len(points) < _FEWEST_ROWS or not all(isinstance(one, dict) for one in points):
+        return []
+    small = [{key.lower(): value for key, value in one.items()} for one in points]
+    when = next((key for key in _WHEN if key in small[0]), "")
+    what = next((key for key in _WHAT if key in small[0]), "")
+    return [[one.get(when), one.get(what)] for one in small] if when and what else []
 
 
 def _name_series(series: dict[str, Any]) -> str:

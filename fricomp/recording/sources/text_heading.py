@@ -25,6 +25,12 @@ _UNIT_LABEL = re.compile(r"^\s*(?:units?|einheit(?:en)?)\s*[:=]\s*", re.IGNORECA
 """What stands before each unit where a line holds several facts of the columns: `Unit: deg`."""
 _RULE = re.compile(r"[-=_+|:*~#\s,;]+")
 """A line that is drawn between names and rows."""
+_SECTION = re.compile(
+    r"[\[<{*#\s]*(?:(?:begin|start)[ _]?(?:of)?[ _]?)?(?:data|values|samples|rows|daten|messwerte|werte)"
+    r"(?:[ _]?(?:begin|start|section|block))?[\]>}*#:;,\s]*",
+    re.IGNORECASE,
+)
+"""A line between names and rows that says that rows begin: `[Data]`, `DATA:`, `<values>`."""
 _LABEL_OF_UNITS = re.compile(r"(?:.*[ _])?(?:units?|einheit(?:en)?)(?:[ _]label)?", re.IGNORECASE)
 """What stands before a line of units: `Units`, `Vertical Units`."""
 _MOSTLY_UNITS = 0.6
@@ -103,10 +109,12 @@ def _name_scaled(name: str, unit: str, scale: str) -> str:
 
 def list_headings(above: Sequence[str], mark: str, width: int, *, numbered: bool) -> Iterator[Heading]:
     """The lines above a row with as many cells, the nearest first, up to one that has not; no comments of numbers."""
+    nearest = True
     around = " \r\n" if mark == "\t" else None  # blank cells at an end are cells
     for number, line in reversed([(number, line.strip(around)) for number, line in enumerate(above)]):
-        if not line.strip() or _RULE.fullmatch(line):
+        if not line.strip() or _RULE.fullmatch(line) or (nearest and _SECTION.fullmatch(line)):
             continue
+        nearest = False
         bare = line.lstrip("#%/ ") if is_comment(line) else line
         found = Heading(number, _split_heading(bare, mark, width, numbered=numbered), is_comment(line))
         if not found.is_comment and not fits(found.cells, width):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from .cell import DECIMAL_COMMA, DECIMAL_POINT, DOTTED, THOUSANDS, is_entry, is_number, read_measured
 from .text_heading import Heading, choose_names, list_headings, name_pairs, read_pairs, says_scales
+from .text_legend import name_by_legend
 from .text_line import FEWEST_CELLS, fits, is_comment, split_cells
 
 FIRST_LINES = 200
@@ -141,6 +142,9 @@ def _look_above(lines: Sequence[str], row: int, mark: str) -> TextLayout:
         return bare
     chosen = choose_names(headings[:_MOST_HEADINGS], labelled=is_entry(cells[0]), scales=scales)
     layout = replace(bare, **chosen._asdict())
+    by_legend = name_by_legend(layout.names, lines[: layout.names_line])
+    if by_legend != layout.names:
+        layout = replace(layout, names=by_legend, is_joined=True)
     if len(layout.names) == width - 1 and cells[-1] and _count_rows(lines[first:], mark):
         return replace(layout, names=("", *layout.names), is_joined=True)
     return layout

@@ -24,7 +24,7 @@ _DAY = r"(?:(?:[A-Z][a-z]{2}\s+\d{1,2}|\d\d-\d\d)\s+(?=\d\d:))?"
 """A day without its year before a time of day, as journals and phones write it: `Mar 10 23:59:50.004 host a[8]:`."""
 _UNIT_OF_TIME = r"(?:\s?(s|sec|ms|us|µs|ns)(?![\w.]))?"
 _FIRST, _LAST = (
-    re.compile(rf"^\s*[\[(]?\s*{_DAY}({_STAMP}){_UNIT_OF_TIME}\s*[\])]?(?=[\s:;,]|$)"),
+    re.compile(rf"^\s*[\[(<]?\s*{_DAY}({_STAMP}){_UNIT_OF_TIME}\s*[\])>]?(?=[\s:;,]|$)"),
     re.compile(rf"(?<=\s)(\d+(?:\.\d+)?){_UNIT_OF_TIME}\s*$"),
 )
 """A number without a label at an end of the line: when it was written."""
