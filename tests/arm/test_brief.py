@@ -11,6 +11,7 @@ from fricomp.arm.words.brief import (
     say_unnamed,
     write_summary,
 )
+from fricomp.arm.words.links import name_link
 from fricomp.arm.words.opening import say_links, say_nothing_missing, write_opening, write_title
 from fricomp.arm.words.quantity import show_quantity
 from fricomp.diagnosis.record.result import Quantity
@@ -54,6 +55,12 @@ def _record(joints: tuple[JointRecord, ...], links: tuple[LinkRecord, ...] = ())
         schema=ARM_SCHEMA, sentences=(), joints=joints, links=links, delay=late, gain=None, cutoff=20.0, duration=60.0,
         left_out=0.0,
     )  # fmt: skip
+
+
+def test_a_centre_that_is_far_off_is_told_in_millimetres() -> None:
+    link = _link("hand", 2.1, "off")
+    far = replace(link, first_moment=link.first_moment | {"x": Quantity(0.278, "kg·m", (0.25, 0.3))})
+    assert name_link(far) == "hand (mass elsewhere, as if its centre were off by 120 mm)"
 
 
 def test_what_to_do_comes_second_and_an_effect_of_two_joints_is_told_once() -> None:

@@ -17,6 +17,7 @@ from fricomp.arm.search.shared_delay import (
     SharedDelay,
     agree,
     are_others_early,
+    find_agreeing,
     measure_delay,
     measure_seen,
     share_delays,
@@ -40,7 +41,9 @@ def test_joints_that_differ_ask_for_no_common_delay() -> None:
     delays = 1e-3 * np.array([-3.6, -4.0, -5.0, -0.6, -1.3, -1.0])
     spread = 1e-3 * np.array([1.1, 0.6, 0.7, 1.6, 1.4, 1.2])
     assert not agree(delays, spread)
-    assert not SharedDelay(*take_median(delays, spread), {0: 0.0}).is_sure
+    kept = find_agreeing(delays, spread)
+    for some in (kept, slice(None)):
+        assert not SharedDelay(*take_median(delays[some], spread[some]), {0: 0.0}).is_sure
 
 
 def test_one_joint_does_not_move_what_most_ask_for() -> None:
@@ -139,3 +142,20 @@ def test_one_joint_that_is_late_beside_bristles_has_a_delay(tmp_path: Path, late
     assert names == [bristle, bristle | {"torque_delay"}, bristle]
     (delay,) = (one.parameters["delay"] for one in record.joints[1].effects if one.name == "torque_delay")
     assert delay.value == pytest.approx(later, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("delays", "expected"),
+    [((-0.42, -0.47, 5.9), -0.445), ((-0.42, -0.47, -0.4, 8.0, 8.1, 8.2), 3.8)],
+)
+def test_joints_that_differ_from_most_say_nothing_of_the_time_of_all(
+    delays: tuple[float, ...], expected: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    joints, asked = np.arange(len(delays)), 1e-3 * np.array(delays)
+    monkeypatch.setattr(shared_delay, "_ask_joints", lambda *_: (joints, asked, np.full(len(delays), 1e-4)))
+    monkeypatch.setattr(shared_delay, "Glance", lambda *_: None)
+    found = measure_delay(*(cast(Any, None),) * 2, ArmPrior())
+    assert found.value == pytest.approx(1e-3 * expected)
+    assert found.is_torn
+    assert len(found.apart) == len(delays)
+    assert found.is_sure == (len(delays) == 3)

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from fricomp.laws import FloatArray
@@ -80,7 +81,8 @@ class SharedDelay(NamedTuple):
 def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> SharedDelay:
     """By how much the torques are later than the rows allow for.
 
-    That of the fit where the joints agree on it; else the median of those that they ask for, each by itself.
+    That of the fit where the joints agree on it; else the median of those that they ask for, each by itself: of most
+    joints where most agree, since one that sticks, or is late by itself, says nothing of the others.
     """
     glance = Glance(equations, fit, prior)
     joints, delays, spread = _ask_joints(fit, glance)
@@ -90,7 +92,8 @@ def measure_delay(equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> Shar
         return SharedDelay(*glance.solve(replace(fit.model, prompt=False)).delay, {})
     apart = dict(zip(joints[shown].tolist(), delays.tolist(), strict=True))
     torn = not agree(delays, spread, 2.0 * float(norm.sf(_SURE_APART)))
-    return SharedDelay(*take_median(delays, spread), apart, float(np.max(spread)), torn)
+    kept = find_agreeing(delays, spread)
+    return SharedDelay(*take_median(delays[kept], spread[kept]), apart, float(np.max(spread)), torn)
 
 
 def agree(values: FloatArray, spread: FloatArray, chance: float = _CHANCE) -> bool:
@@ -106,6 +109,24 @@ def agree(values: FloatArray, spread: FloatArray, chance: float = _CHANCE) -> bo
     weights = spread**-2.0
     away = values - weights @ values / np.sum(weights)
     return bool(weights @ away**2 < chi2.isf(chance, values.size - 1))
+
+
+def find_agreeing(values: FloatArray, spread: FloatArray) -> NDArray[np.intp]:
+    """Places of most values where most may be of one thing, without those that are furthest from the rest; else of all.
+
+    Args:
+        values: Shape (n,).
+        spread: Their standard deviations. Shape (n,).
+    """
+    kept = np.arange(values.size)
+    while 2 * kept.size > values.size:
+        own, weights = values[kept], spread[kept] ** -2.0
+        if agree(own, spread[kept]):
+            return kept
+        others = np.sum(weights) - weights
+        away = np.abs(own - (weights @ own - weights * own) / others) / np.sqrt(1.0 / weights + 1.0 / others)
+        kept = np.delete(kept, np.argmax(away))
+    return np.arange(values.size)
 
 
 def is_before_most(glance: Glance, fit: ArmFit, joint: int) -> bool:

@@ -17,8 +17,8 @@ def name_link(link: LinkRecord) -> str:
             for axis, one in link.first_moment.items()
             if axis in link.determined
         ]
-        way = math.hypot(*moved) / max(link.simulated_mass, 1e-9)
-        return f"{link.name} (mass elsewhere, as if its centre were off by {1e3 * way:.2g} mm{_say_instead(link)})"
+        way = float(f"{1e3 * math.hypot(*moved) / max(link.simulated_mass, 1e-9):.2g}")  # 120, and not 1.2e+02
+        return f"{link.name} (mass elsewhere, as if its centre were off by {way:g} mm{_say_instead(link)})"
     return f"{link.name} ({link.mass.value - link.simulated_mass:+.3g} kg{_say_instead(link)})"
 
 
