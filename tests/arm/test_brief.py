@@ -234,3 +234,12 @@ def test_torques_that_are_recorded_wrong_are_no_physics_that_is_missing() -> Non
         "The simulation leaves out physics in a (torque_gain_error), b (load_coulomb)"
     )
     assert write_title(both).endswith("physics is missing")
+
+
+def test_a_joint_that_sticks_takes_the_advice_from_none_of_the_others() -> None:
+    joints = (_joint("a", 0.1), *(_joint(name, None) for name in "bcd"))
+    stuck = replace(joints[3], error_model=3.0 * joints[3].error_simulation + 10.0)
+    told = write_summary(_record((*joints[:3], stuck)), "Off.")
+    (to_do,) = (line for line in told if line.startswith("To do:"))
+    assert to_do.startswith("To do: simulate with arm.xml")
+    assert to_do.endswith("Record d again with more motion before you use what is told of it.")

@@ -4,7 +4,7 @@ is not told as sure."""
 from __future__ import annotations
 
 from fricomp.arm.record import JointEffect, JointRecord
-from fricomp.arm.words.brief import say_doubts, say_shared_causes
+from fricomp.arm.words.brief import list_few_worse, say_doubts, say_shared_causes
 from fricomp.diagnosis.record.result import Quantity
 
 
@@ -49,3 +49,11 @@ def test_a_joint_that_is_told_worse_than_by_its_simulation_is_in_doubt() -> None
     (line,) = say_doubts([joint("a", error=1.5), joint("b")])
     assert "(a 1.5 N·m, by the simulation 1)" in line
     assert say_doubts([joint("a", error=1.1), joint("b")]) == ()
+
+
+def test_one_joint_of_many_that_is_told_worse_is_in_doubt_alone() -> None:
+    joints = [joint("a", error=1.5), joint("b"), joint("c")]
+    (line,) = say_doubts(joints)
+    assert line.startswith("What is told of a does not hold")
+    assert [one.name for one in list_few_worse(joints)] == ["a"]
+    assert list_few_worse([joint("a", error=1.5), joint("b", error=1.5), joint("c")]) == []

@@ -64,7 +64,10 @@ def write_summary(record: ArmRecord, opening: str) -> tuple[str, ...]:
     doubts, unexplained, mistimed = list_doubts(record), say_unexplained(record), say_mistimed(record.joints)
     framed = bool(record.better_frames or record.torque_scales)
     stated = list_off_stated(record.joints)
-    normal = _REPEAT if doubts else _say_what_to_do(named=bool(named), off=bool(off or stated))
+    normal = _say_what_to_do(named=bool(named), off=bool(off or stated))
+    if doubts:
+        few = ", ".join(joint.name for joint in list_few_worse(record.joints))
+        normal = f"{normal} Record {few} again with more motion before you use what is told of it." if few else _REPEAT
     to_do = _REFRAME if framed else _SEEK if opening in unexplained else _LOG if opening in mistimed else normal
     lines = [opening, *(one for one in (*doubts, *unexplained) if one != opening), *say_corrections(record), to_do]
     lines += [*(one for one in mistimed if one != opening), *say_shared_causes(record.joints)]
@@ -104,17 +107,28 @@ def say_doubts(joints: Sequence[JointRecord]) -> tuple[str, ...]:
             "as a hand, and then nothing of this holds; or they are of sensors behind the gears, or have friction "
             "taken off."
         )
-    worse = [joint for joint in joints if _is_worse(joint)]
+    worse, few = [joint for joint in joints if _is_worse(joint)], list_few_worse(joints)
     if worse:
         errors = "; ".join(
             f"{one.name} {one.error_model:.3g} {one.unit}, by the simulation {one.error_simulation:.3g}"
             for one in worse
         )
-        lines.append(
-            f"What is told does not hold on parts of the recording that were left out ({errors}): the parts show too "
-            "little of each joint, as where one moves at a time."
-        )
+        of, why = "", "the parts show too little of each joint, as where one moves at a time"
+        if few:
+            of = f" of {', '.join(joint.name for joint in few)}"
+            why = "it moves too little there, or sticks for most of the time"
+        lines.append(f"What is told{of} does not hold on parts of the recording that were left out ({errors}): {why}.")
     return tuple(lines)
+
+
+def list_few_worse(joints: Sequence[JointRecord]) -> list[JointRecord]:
+    """Joints that are told worse than by the simulation, where they are less than half of all; else none.
+
+    What is told of the others holds: a joint that hardly moves says little of its own torque, and nothing of theirs.
+    """
+    worse = [joint for joint in joints if _is_worse(joint)]
+    loose = sum(map(_is_loose, joints)) >= max(2, _SHARE * len(joints))
+    return [] if loose or len(worse) >= _SHARE * len(joints) else worse
 
 
 def _is_worse(joint: JointRecord) -> bool:
