@@ -10,7 +10,6 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording.checks.position_size import find_sign_bit
-from fricomp.recording.unit_step import find_unit_step
 from fricomp.recording.unit_word import (
     UNKNOWN_UNIT,
     find_unit_words,
@@ -22,6 +21,7 @@ from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, says_counts
 from .head_fact import find_counts_beside, say_head_facts
+from .unit_step import find_unit_step
 
 _FAR = 8.0 * np.pi
 """Way of an axis without a unit [rad], above which it is as likely in degrees or mm: four turns of a joint."""
