@@ -1,12 +1,13 @@
 """The cutoffs of the filters: low enough that noise of the encoder is no acceleration, and that the joint slides."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from fricomp.recording import Recording
 
-from .joint_samples import FEWEST_SLIDING, RegressionSettings, sample_joint, split_for
+from .joint_samples import FEWEST_SLIDING, JointSamples, RegressionSettings, sample_joint, split_for
 from .noise import measure_position_noise
 
 _DEFAULTS = RegressionSettings()
@@ -27,6 +28,18 @@ _LOWEST_STEPS = 9
 
 
 def choose_settings(recording: Recording, *, gravity: bool = False) -> RegressionSettings:
+    """The settings of `choose_samples` alone."""
+    return choose_samples(recording, gravity=gravity).settings
+
+
+class ChosenSamples(NamedTuple):
+    """How a recording is filtered, and what comes of it."""
+
+    settings: RegressionSettings
+    samples: JointSamples
+
+
+def choose_samples(recording: Recording, *, gravity: bool = False) -> ChosenSamples:
     """The default settings, with cutoffs low enough that noise of the encoder is no acceleration.
 
     Noise in a regressor shrinks its coefficient by the noise's share of its power [fuller1987measurement]. Of white
@@ -42,23 +55,43 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
     """
     density = 2.0 * recording.sample_period * measure_position_noise(recording) ** 2
     best, least = replace(_DEFAULTS, gravity=gravity), np.inf
+    sampler = _Sampler(recording)
     noisier: list[RegressionSettings] = []
     for factor in _LOWER:
         settings = _lower(factor, gravity)
         if _share_long(recording, settings) < _LEAST_LONG:
             break
-        power = float(np.var(sample_joint(recording, settings).acceleration))
+        power = float(np.var(sampler.take(settings).acceleration))
         share = (2.0 * np.pi) ** 4 * density * settings.torque_cutoff**5 / (5.0 * max(power, 1e-300))
         if share < least:
             best, least = settings, share
         if share < _NOISE_SHARE:
             break
         noisier += [settings] if share < _MOST_NOISE else []
-    slides = _lower_until_it_slides(recording, best)
-    if _count_sliding(recording, slides) >= FEWEST_SLIDING:
-        return slides
-    wider = (one for one in reversed(noisier) if _count_sliding(recording, one) >= FEWEST_SLIDING)
-    return next(wider, slides)
+    slides = _lower_until_it_slides(sampler, best)
+    if sampler.count_sliding(slides) < FEWEST_SLIDING:
+        wider = (one for one in reversed(noisier) if sampler.count_sliding(one) >= FEWEST_SLIDING)
+        slides = next(wider, slides)
+    return ChosenSamples(slides, sampler.take(slides))
+
+
+class _Sampler:
+    """Samples of a recording; those of the last settings are kept, since they are asked for again."""
+
+    def __init__(self, recording: Recording) -> None:
+        self.recording = recording
+        self._last: ChosenSamples | None = None
+
+    def take(self, settings: RegressionSettings) -> JointSamples:
+        """The samples by these settings."""
+        if self._last is None or self._last.settings != settings:
+            self._last = None  # two of them would be in memory at once
+            self._last = ChosenSamples(settings, sample_joint(self.recording, settings))
+        return self._last.samples
+
+    def count_sliding(self, settings: RegressionSettings) -> int:
+        """How many of them slide."""
+        return int(np.count_nonzero(self.take(settings).sliding(settings.slowest)))
 
 
 def _lower(factor: float, gravity: bool) -> RegressionSettings:
@@ -83,23 +116,18 @@ def _measure_durations(recording: Recording, settings: RegressionSettings) -> li
     return [part.duration for part in split_for(recording, settings).parts] or [0.0]
 
 
-def _lower_until_it_slides(recording: Recording, settings: RegressionSettings) -> RegressionSettings:
+def _lower_until_it_slides(sampler: _Sampler, settings: RegressionSettings) -> RegressionSettings:
     """`settings`, or lower cutoffs through which the joint slides: one that sticks and slips does so on the mean only.
 
     The friction that comes out is then the mean of sticking and slipping at that speed.
     """
-    fewest = _count_sliding(recording, settings)
-    if fewest >= FEWEST_SLIDING:
+    if sampler.count_sliding(settings) >= FEWEST_SLIDING:
         return settings
     factor = settings.torque_cutoff / _DEFAULTS.torque_cutoff
     for step in range(1, _LOWEST_STEPS):
         lower = _lower(factor * 2.0 ** (-0.5 * step), settings.gravity)
-        if max(_measure_durations(recording, lower)) < _PERIODS / lower.torque_cutoff:
+        if max(_measure_durations(sampler.recording, lower)) < _PERIODS / lower.torque_cutoff:
             break
-        if _count_sliding(recording, lower) >= FEWEST_SLIDING:
+        if sampler.count_sliding(lower) >= FEWEST_SLIDING:
             return lower
     return settings
-
-
-def _count_sliding(recording: Recording, settings: RegressionSettings) -> int:
-    return int(np.count_nonzero(sample_joint(recording, settings).sliding(settings.slowest)))

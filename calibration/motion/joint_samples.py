@@ -260,11 +260,23 @@ def _filter(
     position = _interpolate(even, recording)
     torque = np.interp(even, recording.time, recording.torque)
     smooth = sosfiltfilt(position_filter(settings.position_cutoff, rate), position)
-    curve = CubicSpline(even, smooth)  # differences would lose an eighth of an acceleration at a tenth of the rate
-    velocity = curve(even, 1)
-    columns = np.stack([smooth, velocity, curve(even, 2), np.sign(velocity), torque])
+    velocity, acceleration = _differentiate(even, smooth)
     factor = max(1, int(rate / (5.0 * settings.torque_cutoff) + _ROUNDING))
     skip = max(1, int(settings.margin * rate / factor))
     kept = np.arange(0, len(even), factor)[skip:-skip]
-    filtered = sosfiltfilt(low_pass, columns, axis=1)
-    return filtered[:, kept], velocity, filtered[-1], kept
+    columns = (smooth, velocity, acceleration, np.sign(velocity))
+    filtered = [sosfiltfilt(low_pass, column)[kept] for column in columns]  # one at a time: they are long
+    smooth_torque = sosfiltfilt(low_pass, torque)
+    return np.stack([*filtered, smooth_torque[kept]]), velocity, smooth_torque, kept
+
+
+def _differentiate(even: FloatArray, smooth: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Velocity and acceleration of a smooth position by a cubic spline: differences would lose an eighth of an
+    acceleration at a tenth of the rate. Shapes (n,).
+
+    At the knots both are coefficients of the spline as they stand.
+    """
+    curve = CubicSpline(even, smooth)
+    last = float(even[-1])
+    velocity = np.append(curve.c[2], curve(last, 1))
+    return velocity, np.append(2.0 * curve.c[1], curve(last, 2))

@@ -12,7 +12,7 @@ from fricomp.errors import DiagnosisError
 from fricomp.extras import require
 from fricomp.model import FrictionModel, load_model
 from fricomp.recording import Recording, read_recording
-from fricomp.recording.given import take_recording
+from fricomp.recording.file import take_recording
 from fricomp.result_kinds import DIAGNOSIS
 from fricomp.results import claim_folder
 from fricomp.simulation_file import list_joints

@@ -21,7 +21,7 @@ from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
 from fricomp.recording.checks.degrees import suspect_degrees_per_second
-from fricomp.recording.given import is_motion, take_recording
+from fricomp.recording.file import is_motion, take_recording
 
 from .identification import Identification
 from .identify_settings import IdentifySettings

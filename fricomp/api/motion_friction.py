@@ -10,9 +10,9 @@ import numpy as np
 
 from fricomp.calibration import IdentificationOptions
 from fricomp.calibration.identification import IdentificationResult
-from fricomp.calibration.motion.cutoffs import choose_settings
+from fricomp.calibration.motion.cutoffs import choose_samples
 from fricomp.calibration.motion.identify import MotionIdentification
-from fricomp.calibration.motion.joint_samples import RegressionSettings, sample_joint, split_for
+from fricomp.calibration.motion.joint_samples import RegressionSettings, split_for
 from fricomp.calibration.motion.missed_torque import find_missed_gravity
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.errors import IdentificationError
@@ -54,7 +54,8 @@ def identify_recording(
     name = "the data" if isinstance(source, Recording) else Path(source).name
     _refuse_point_settings(name, settings, flag)
     recording, findings, about, data = read_motion_recording(source)
-    chosen, notes = choose_settings(recording, gravity=bool(settings.gravity)), []
+    chosen, samples = choose_samples(recording, gravity=bool(settings.gravity))
+    notes: list[str] = []
     if chosen.torque_cutoff < RegressionSettings.torque_cutoff:
         notes.append(f"Low-pass: {chosen.torque_cutoff:.3g} Hz, so that noise of the position is no acceleration.")
     of_gaps = split_for(recording, chosen).notes
@@ -62,7 +63,6 @@ def identify_recording(
     notes += (finding.caution for finding in findings if not (of_gaps and finding.code == "gap"))
     meta = recording.metadata
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
-    samples = sample_joint(recording, chosen)
     one_way = any(finding.code in ("one_way", "one_way_turns") for finding in findings)
     missed = find_missed_gravity(samples, chosen) if meta.motion == "rotary" and not one_way else None
     if meta.motion == "rotary" and not one_way and settings.gravity is None:

@@ -7,7 +7,7 @@ from fricomp.errors import RecordingError
 from fricomp.model import FrictionModel
 from fricomp.model.given import take_model
 from fricomp.recording import Recording, read_recording
-from fricomp.recording.given import take_recording
+from fricomp.recording.file import take_recording
 
 from .errors import Spans, measure_positions, summarise_torque
 from .evaluated import EvaluatedJoint, JointAlong

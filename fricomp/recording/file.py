@@ -1,11 +1,14 @@
 """Recordings on disk: the suffix of the path decides between CSV and Parquet."""
 
+from __future__ import annotations
+
 import itertools
 import os
 import shlex
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +26,9 @@ from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources.text import read_lines
 from fricomp.recording.sources.text_line import is_comment
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _CSV = (".csv", ".txt")
 _RESTS = 0.01
@@ -280,3 +286,34 @@ def _suffix(path: Path) -> str:
             f"{', '.join(_CSV + _PARQUET[:1])} or {_PARQUET[1]}"
         )
     return suffix
+
+
+def take_recording(given: Recording | DataFrame | str | os.PathLike[str]) -> Recording | Path:
+    """The recording that was given, or the path of its file.
+
+    Args:
+        given: A recording, a data frame with its channels in SI units, or a path.
+
+    Raises:
+        RecordingError: It is something else, or the frame lacks a channel.
+    """
+    if isinstance(given, Recording):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return Path(given)
+    if is_frame(given):
+        return Recording.from_pandas(given)
+    raise RecordingError(
+        f"{type(given).__name__} is no recording: give a Recording, a data frame with the columns time, position and "
+        "torque, or the path of a file"
+    )
+
+
+def is_frame(given: object) -> bool:
+    """Whether it is a data frame of pandas, which need not be installed."""
+    return hasattr(given, "columns") and hasattr(given, "iloc") and hasattr(given, "attrs")
+
+
+def is_motion(given: object) -> bool:
+    """Whether it is a data frame whose rows are a motion over time, and not points of friction."""
+    return is_frame(given) and {"position", "torque"} <= set(given.columns)  # type: ignore[attr-defined]

@@ -180,6 +180,8 @@ def read_blocks(path: str | Path) -> tuple[Block, ...]:
         content = Path(path).read_bytes()
     except OSError as error:
         raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
+    if _MARK.encode() not in content:  # most files, whose lines need not be told apart
+        return ()
     return tuple(block for block, _ in _scan(content, Path(path))[1])
 
 

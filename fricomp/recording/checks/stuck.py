@@ -1,5 +1,7 @@
 """Channels that keep one value while the joint moves: stuck, at their limit, or of a drive that is off."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import Samples
 
+_CHANNELS = ("velocity", "acceleration", "current", "load_torque", "torque", "position")
 _FEWEST_STEPS = 20  # encoder steps of travel below which a channel cannot be told to be stuck
 _STUCK_TIME = 0.25  # [s]
 _STUCK_ROWS = 20
@@ -30,10 +33,9 @@ def find_stuck(recording: Recording) -> tuple[Finding, ...]:
 def find_stuck_rows(recording: Recording) -> NDArray[np.bool_]:
     """Rows in which position or torque is stuck or at its limit while the joint goes on moving. Shape (n_samples,)."""
     rows = np.zeros(len(recording), dtype=bool)
-    for name, runs in _stuck_channels(recording).items():
-        if name in ("position", "torque"):
-            for start, stop in runs:
-                rows[start : stop + 1] = True
+    for runs in _stuck_channels(recording, ("position", "torque")).values():
+        for start, stop in runs:
+            rows[start : stop + 1] = True
     return rows
 
 
@@ -45,21 +47,25 @@ def find_idle_rows(recording: Recording) -> NDArray[np.bool_]:
     rows = np.zeros(len(recording), dtype=bool)
     if recording.metadata.torque_kind == "commanded":
         return rows
-    for start, stop in _stuck_channels(recording).get("torque", []):
+    for start, stop in _stuck_channels(recording, ("torque",)).get("torque", []):
         if recording.torque[start] == 0.0 and recording.time[stop] - recording.time[start] > _IDLE_TIME:
             rows[start : stop + 1] = True
     return rows if np.count_nonzero(~rows) > _STUCK_ROWS else np.zeros(len(recording), dtype=bool)
 
 
-def _stuck_channels(recording: Recording) -> dict[str, list[tuple[int, int]]]:
-    """First and last rows of each stretch in which a channel is stuck, by channel."""
+def _stuck_channels(recording: Recording, wanted: Sequence[str] = _CHANNELS) -> dict[str, list[tuple[int, int]]]:
+    """First and last rows of each stretch in which a channel is stuck, by channel; of those that are wanted alone."""
     travel = float(np.ptp(recording.position))
     if travel < _FEWEST_STEPS * (recording.metadata.encoder_resolution or 0.0) or travel == 0:
         return {}
-    measured = ["velocity", "acceleration", "current", "load_torque"]
-    measured += [] if recording.metadata.torque_kind == "commanded" else ["torque"]
-    runs = {name: _find_stuck(recording, name, recording.position, travel) for name in measured}
-    return runs | {"position": _find_stuck(recording, "position", _claimed_motion(recording), travel)}
+    kept = {"torque"} if recording.metadata.torque_kind == "commanded" else set[str]()
+    return {
+        name: _find_stuck(
+            recording, name, _claimed_motion(recording) if name == "position" else recording.position, travel
+        )
+        for name in wanted
+        if name not in kept
+    }
 
 
 def _find_stuck(recording: Recording, name: str, motion: Samples | None, travel: float) -> list[tuple[int, int]]:

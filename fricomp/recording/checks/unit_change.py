@@ -81,8 +81,10 @@ def _locate_change(
             for factor in (greater, 1.0 / greater):
                 missed = abs(values[k + 1] - factor * values[k])
                 fits = missed <= _NEAR * max(after[k], factor * before[k]) and missed < 0.5 * size[k]
+                if not fits:
+                    continue
                 steps = ((long_before, long_after), (_large_step(size[:k]), _large_step(size[k + 1 :])))
-                if fits and all(1.0 / _ALIKE < now / (factor * then) < _ALIKE for then, now in steps):
+                if all(1.0 / _ALIKE < now / (factor * then) < _ALIKE for then, now in steps):
                     return k + 1, factor, meaning if factor > 1.0 else f"{meaning} and back"
     return None
 

@@ -30,7 +30,7 @@ from .joints.joint_path import Candidates, is_complete, separate_paths
 from .joints.shared_rest import read_currents, read_shared_rests
 from .joints.two_encoders import pair_encoders
 from .position_by_rate import find_position_by_rate, is_rate_of
-from .several_units import are_one_quantity
+from .units.several_units import are_one_quantity
 from .vendor import read_vendor_name, with_vendor_unit
 
 Chosen = dict[str, dict[str, tuple[str, ColumnMeaning]]]

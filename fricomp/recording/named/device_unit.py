@@ -21,7 +21,7 @@ from fricomp.recording.validity import Samples
 
 from .column import RAW_UNIT, ColumnMeaning, read_column_name, says_counts
 from .head_fact import find_counts_beside, say_head_facts
-from .unit_step import find_unit_step
+from .units.unit_step import find_unit_step
 
 _FAR = 8.0 * np.pi
 """Way of an axis without a unit [rad], above which it is as likely in degrees or mm: four turns of a joint."""
