@@ -40,10 +40,13 @@ def resample(recording: Recording, rate: float) -> Recording:
     if not (np.isfinite(rate) and rate > 0) or recording.duration * rate < 1:
         raise RecordingError(f"cannot resample {recording.duration:.6g} s at {rate} Hz: give a higher, finite rate")
     if recording.duration * rate > _MOST_ROWS:
-        raise RecordingError(
-            f"{recording.duration:.6g} s at {rate:g} Hz are more than {_MOST_ROWS:.0e} rows: a stamp is far from all "
-            "others; leave its row out (fricomp convert --skip-bad-rows)"
+        is_rate = len(recording) > 0.5 * recording.duration / recording.sample_period
+        advice = (
+            f"give a lower rate, such as the recording's own {1.0 / recording.sample_period:.4g} Hz"
+            if is_rate
+            else "a stamp is far from all others; leave its row out (fricomp convert --skip-bad-rows)"
         )
+        raise RecordingError(f"{recording.duration:.6g} s at {rate:g} Hz are more than {_MOST_ROWS:.0e} rows: {advice}")
     period = recording.sample_period
     target = recording.time[0] + np.arange(int(recording.duration * rate * (1 + 1e-12)) + 1) / rate
     kernel = _low_pass(rate * period) if rate * period < 1 - 1e-9 else None

@@ -26,6 +26,7 @@ from fricomp.recording.named.times.clock import find_stamps
 from fricomp.recording.quantity_word import says_asked_for
 from fricomp.recording.recording import Recording
 from fricomp.recording.sources import is_text
+from fricomp.recording.sources.simulation_text import refuse_simulation
 from fricomp.recording.unit_word import UNKNOWN_UNIT, find_unit_words, kind_of_unit
 from fricomp.recording.validity import Samples
 
@@ -83,6 +84,7 @@ def inspect_log(path: Path, channels: Mapping[str, str] | None = None) -> Inspec
         RecordingError: The file cannot be read, or its columns have no names.
         MissingExtraError: The package that reads the format is not installed.
     """
+    refuse_simulation(path)
     columns, log, refusal, numbered = *_read_columns(path), False
     if not refusal:
         try:

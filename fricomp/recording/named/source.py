@@ -20,6 +20,7 @@ from fricomp.recording.sources.cell import number_or_nan, read_number
 from fricomp.recording.sources.printed.plain_table import as_table
 from fricomp.recording.sources.reader import refuse_damage
 from fricomp.recording.sources.robot_log import read_ros_topics, read_topics, tabulate_topics
+from fricomp.recording.sources.simulation_text import refuse_simulation
 from fricomp.recording.sources.text import cut_rows, find_encoding, read_lines
 from fricomp.recording.sources.text_layout import FIRST_LINES, TextLayout, find_layout
 from fricomp.recording.sources.text_line import part_touching
@@ -61,6 +62,7 @@ def read_named_columns(path: Path) -> dict[str, Samples]:
         RecordingError: The file cannot be read, or its columns have no names.
         MissingExtraError: The package that reads it is not installed.
     """
+    refuse_simulation(path)
     if path.is_file() and is_text(path):
         return _read_text(path)
     topics = _read_topics(path)

@@ -11,6 +11,7 @@ import pytest
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording
+from fricomp.recording.inspection.inspection import inspect_log
 from fricomp.recording.named.log import read_named_log
 
 N_ROWS, RATE = 700, 140.0
@@ -129,6 +130,16 @@ def test_times_with_a_zone_and_in_angle_brackets_are_read(tmp_path: Path) -> Non
     rows = [f"<{at}> M1 POS={q:.9g}deg TRQ={u:.9g}Nm" for at, q, u in zip(clock, DEGREES, TORQUE, strict=True)]
     (tmp_path / "port.log").write_text("\n".join(rows) + "\n")
     require_right(read_named_log(tmp_path / "port.log").recordings[0])
+
+
+@pytest.mark.parametrize(("root", "kind"), [('<mujoco model="arm">', "MJCF"), ('<robot name="arm">', "URDF")])
+def test_a_simulation_is_told_to_be_one_where_a_log_is_asked_for(tmp_path: Path, root: str, kind: str) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text(f'<?xml version="1.0"?>\n<!-- licence -->\n{root}<joint damping="0.3" armature="0.02"/></x>\n')
+    with pytest.raises(RecordingError, match=rf"is a simulation \({kind}\), and no recording: give it by --simulation"):
+        read_named_log(path)
+    with pytest.raises(RecordingError, match="is a simulation"):
+        inspect_log(path)
 
 
 def test_a_column_that_is_a_rate_is_not_offered_as_the_torque(tmp_path: Path) -> None:
