@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
+from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.again import late_noise
@@ -56,6 +57,8 @@ def test_two_effects_are_weighed_by_the_noise_beside_them_however_little_is_left
     both = Structure(found.best.structure.contexts, (*found.best.settled, Candidate("quadratic_drag", ())))
     (pair,) = fit_from(rippled, [(both, found.best.fit.theta[:N_BASE])], found.best.box)
     assert remeasure_noise(rippled, found, seed=0) is None
+    given = RigidJoint(0.35, (0.0, 6.0), 0.0, 0.0, 0.0, True)  # inertia and gravity are weighed as well
+    assert remeasure_noise(replace(rippled, rigid=given), found, seed=0) is not None
     quieter = remeasure_noise(rippled, replace(found, best=pair), seed=0)
     assert quieter is not None
     assert _measure_noise(quieter) < 0.2 * _measure_noise(rippled)

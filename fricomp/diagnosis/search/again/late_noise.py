@@ -18,7 +18,8 @@ from ..settings import SEARCH
 
 def remeasure_noise(baseline: Baseline, found: SearchResult, seed: int) -> Baseline | None:
     """Measure the noise beside the best explanation; None where that leaves about what was taken for noise, is one
-    effect that leaves no more than noise, or does not simulate with its noise.
+    effect that leaves no more than noise and there is no simulation beside which inertia and gravity count as well, or
+    does not simulate with its noise.
 
     Nulls of the base vary from row to row as the recording does. A torque that is missing and changes within a few
     rows, such as cogging, makes them as loud as itself, and what else is missing is weighed by that, found or not.
@@ -46,6 +47,7 @@ def _measure_beside(baseline: Baseline, best: Explanation, seed: int) -> Baselin
     fit = fit_base(problem, baseline.fit.theta, baseline.box)
     quieter = replace(baseline, problem=problem, fit=fit, nulls=nulls, recolouring=None)
     (again,) = fit_from(quieter, [(structure, theta[:N_BASE])], best.box)
-    if len(best.names) == 1 and quieter.measure_loudness(again.fit) <= SEARCH.something_left:
+    alone = len(best.names) == 1 and baseline.rigid is None
+    if alone and quieter.measure_loudness(again.fit) <= SEARCH.something_left:
         return None
     return replace(quieter, structure=build_structure(problem, fit, baseline.box))
