@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ..effects.structure import N_BASE
-from .again.late_creep import does_creep, find_late_creep
+from .again.late_creep import does_creep, find_late_creep, propose_creep
 from .again.late_joint import find_far_joint, measure_left, measure_plain_left
 from .again.late_noise import remeasure_noise
 from .again.lower_base import find_lower_base
@@ -67,20 +67,23 @@ def _search_from_lower_base(
 def _search_with_creep(
     baseline: Baseline, found: SearchResult, base: Callable[..., Baseline], tell: Tell
 ) -> tuple[Callable[..., Baseline], Baseline, SearchResult]:
-    """Search again with friction that creeps, where what was found leaves less beside it; keep it where it leaves far
-    less, or the search does."""
+    """Search again with friction that creeps, where what was found leaves less beside it, or the base takes the torque
+    too early; keep it where it leaves far less, or the search does."""
     creeps, best = find_late_creep(baseline, found), found.leading
-    if creeps is None or best is None:
+    known = propose_creep(baseline, found) if creeps is None else creeps.fit.theta[:N_BASE]
+    if known is None:
         return base, baseline, found
     tell("searching again, with friction that creeps")
-    creeping = partial(base, known=creeps.fit.theta[:N_BASE])
+    creeping = partial(base, known=known)
     begun = _begin_again(creeping, creeps)
     if begun is None:
         return base, baseline, found
-    other, again = begun
-    is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
-    kept = is_clear or measure_left(other, again) < measure_left(baseline, found)
-    return (creeping, other, again) if kept else (base, baseline, found)
+    if creeps is None or best is None:
+        kept = measure_plain_left(*begun) ** 2 < SEARCH.creep_leaves * measure_plain_left(baseline, found) ** 2
+    else:
+        is_clear = creeps.fit.cost < SEARCH.clear_creep_cost * best.fit.cost
+        kept = is_clear or measure_left(*begun) < measure_left(baseline, found)
+    return (creeping, *begun) if kept else (base, baseline, found)
 
 
 def _search_with_bristle(

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from ...effects.structure import N_BASE, Structure
 from ...inputs.track import FloatArray
-from ...joint.base import BASE_NAMES
-from ...joint.base_fit import propose_creep_starts
+from ...joint.base import BASE_NAMES, is_at_earliest, unpack
+from ...joint.base_fit import fit_creep, is_loud, propose_creep_starts
 from ...joint.race import Entry, Race
 from ...joint.solver import Box
 from ..explanation import Explanation
@@ -15,8 +15,9 @@ from ..preparation import Baseline, may_creep
 from ..refit import fit_from
 from ..search import SearchResult
 from ..settings import SEARCH
+from .late_joint import measure_left
 
-_CREEP = BASE_NAMES.index("creep_velocity")
+_CREEP, _DELAY = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("delay")
 
 
 def does_creep(baseline: Baseline) -> bool:
@@ -47,6 +48,26 @@ def find_late_creep(baseline: Baseline, found: SearchResult) -> Explanation | No
     fitted = _fit_creeping(baseline, tried, Race(best.fit.cost, worth))
     least = min(fitted, key=lambda one: one.fit.cost)
     return least if least.fit.cost < worth else None
+
+
+def propose_creep(baseline: Baseline, found: SearchResult) -> FloatArray | None:
+    """Propose base parameters with friction that creeps where a loud base takes the torque as early as it may, shape
+    (N_BASE,); None elsewhere, and where one effect leaves noise alone beside it.
+
+    Friction that creeps turns over ahead of one that holds. A strong effect may keep both the base and what was found
+    beside it in a valley from which no creep is in sight, of which that early torque is left.
+
+    Args:
+        baseline: The base that was searched with.
+        found: What the search found.
+    """
+    early = is_at_earliest(unpack(baseline.fit.theta), float(baseline.box.lower[_DELAY]))
+    if not early or not is_loud(baseline.fit) or does_creep(baseline) or not may_creep(baseline.problem.tracks):
+        return None
+    if found.best is not None and len(found.best.names) == 1 and measure_left(baseline, found) < SEARCH.something_left:
+        return None
+    tried = fit_creep(baseline.problem, baseline.fit, baseline.box)
+    return None if tried is None else tried[0].theta
 
 
 def _fit_creeping(baseline: Baseline, explanations: Sequence[Explanation], race: Race) -> list[Explanation]:
