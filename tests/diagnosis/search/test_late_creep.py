@@ -73,7 +73,7 @@ def test_a_joint_that_runs_away_without_its_effects_is_not_searched(
 def test_a_base_that_takes_the_torque_too_early_is_tried_with_creep(
     monkeypatch: pytest.MonkeyPatch, left: float, kept: bool
 ) -> None:
-    """Where no creep is in sight from what was found, the torque that is left decides, whatever each takes for noise."""
+    """Where no creep is in sight from what was found, the torque that is left decides, not what passes for noise."""
     baseline = known_baseline()
     other = replace(baseline)
     monkeypatch.setattr(rounds, "find_late_creep", lambda *_: None)
@@ -87,9 +87,9 @@ def test_a_base_that_takes_the_torque_too_early_is_tried_with_creep(
 @pytest.mark.parametrize(
     ("early", "loudness", "names", "proposed"),
     [
-        (1.0, 2.0, ["cogging", "torque_saturation"], True),
-        (0.5, 2.0, ["cogging", "torque_saturation"], False),
-        (1.0, 1.0, ["cogging", "torque_saturation"], False),
+        (1.0, 2.0, ["cogging", "quadratic_drag"], True),
+        (0.5, 2.0, ["cogging", "quadratic_drag"], False),
+        (1.0, 1.0, ["cogging", "quadratic_drag"], False),
         (1.0, 1.12, ["torque_delay"], False),
     ],
     ids=["loud and early", "not early", "not loud", "one effect leaves noise alone"],
