@@ -279,19 +279,25 @@ def unit_for(quantity: str, unit: str) -> str:
     return "" if unit in _SI else unit
 
 
-_NUMBER_FIRST = re.compile(
-    r"^\s*[x×]?\s*(?:1\s*/\s*)?\d*[.,]?\d+(?:[eE][+-]?\d+)?(?:\^?[-−]\d+)?\s*[x×*]?\s*(?=[^\d\s/])"
+_POWER = r"10(?:\^?[-−]\d+|⁻[⁰¹²³⁴-⁹]+)"
+_FACTORS = (
+    re.compile(rf"^\s*[x×·*]?\s*(?:{_POWER}|(?:1\s*/\s*)?\d*[.,]?\d+(?:[eE][+-]?\d+)?)\s*[x×·*]?\s*(?=[^\d\s/^⁻])"),
+    re.compile(rf"(?<=\w)\s*(?:[x×·*]\s*(?:{_POWER}|\d+)|[eE][-−]\d+)\s*$"),
+    re.compile(
+        r"^\s*(?:raw|scaled|milli|centi|micro|kilo|tenths?|hundredths?|thousandths?)[\s-]+(?:of\s+)?", re.IGNORECASE
+    ),
 )
-"""A number before a unit, of which whole numbers are so many: `1e-3 deg`, `1/1000 Nm`, `x0.001 rad`."""
+"""What stands about a unit of which numbers are so many: `1e-3 deg`, `1/1000 Nm`, `10⁻³ rad`, `Nm x 100`, `milli-A`."""
 _AXIS = re.compile(r"[A-Z]\d{1,2}")
 """A capital and a number, as robots call their axes; no unit is written so."""
 
 
 def read_bracket(text: str) -> str:
     """The unit in brackets; empty where it is a number, a remark, or an axis: `pos[J1]`, `torque (A2)`."""
-    rest = _NUMBER_FIRST.sub("", text)
-    if rest != text and read_unit(rest):
-        return UNKNOWN_UNIT
+    if not read_unit(text) and any(
+        rest != text and read_unit(rest) for rest in (one.sub("", text) for one in _FACTORS)
+    ):
+        return _NAMES.get(_spell(text), "") or _read_phrase(list(TOKEN.finditer(text))) or UNKNOWN_UNIT
     spelled = "" if _AXIS.fullmatch(text.strip()) else _spell(text)
     if spelled.startswith(UNKNOWN_UNIT):
         return UNKNOWN_UNIT

@@ -13,6 +13,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording import Recording
 from fricomp.recording.inspection.inspection import inspect_log
 from fricomp.recording.named.log import read_named_log
+from fricomp.recording.unit_word import UNKNOWN_UNIT, read_bracket
 
 N_ROWS, RATE = 700, 140.0
 TIME = np.arange(N_ROWS) / RATE
@@ -54,7 +55,13 @@ def test_columns_called_as_channels_are_what_a_legend_says(tmp_path: Path, entry
 
 @pytest.mark.parametrize(
     ("position", "torque"),
-    [("1/1000 deg", "1/1000 Nm"), ("10^-3 deg", "x0.001 Nm"), ("1e-3 deg", "0.001 Nm"), ("x 0.001 deg", "10-3 Nm")],
+    [
+        ("1/1000 deg", "1/1000 Nm"),
+        ("10^-3 deg", "x0.001 Nm"),
+        ("1e-3 deg", "10⁻³ Nm"),
+        ("10⁻³ deg", "0.001 Nm"),
+        ("x 0.001 deg", "10-3 Nm"),
+    ],
 )
 def test_whole_numbers_are_so_many_parts_of_a_unit(tmp_path: Path, position: str, torque: str) -> None:
     head = f"t [s],pos [{position}],trq [{torque}]"
@@ -145,3 +152,18 @@ def test_a_simulation_is_told_to_be_one_where_a_log_is_asked_for(tmp_path: Path,
 def test_a_column_that_is_a_rate_is_not_offered_as_the_torque(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="--channel torque=other where"):
         read(tmp_path / "log.csv", ["time,q,w,other"], TIME, POSITION, VELOCITY, TORQUE)
+
+
+@pytest.mark.parametrize(
+    "unit", ["deg·10⁻³", "deg x100", "deg x 10", "deg e-3", "·10⁻³ deg", "scaled deg", "tenths of deg"]
+)
+def test_a_unit_with_a_factor_about_it_is_asked_for_and_never_taken_without(tmp_path: Path, unit: str) -> None:
+    with pytest.raises(RecordingError, match="the unit in 'pos"):
+        read(tmp_path / "log.csv", [f"t [s],pos [{unit}],trq [Nm]"], TIME, 17.3 * DEGREES, TORQUE)
+
+
+@pytest.mark.parametrize(
+    "unit", ["min-1", "1/min", "rad s^-1", "mm·s⁻¹", "rad/s^2", "milli-Nm", "N·m", "in-lb", "kg·cm"]
+)
+def test_powers_and_prefixes_of_a_unit_are_no_factors(unit: str) -> None:
+    assert read_bracket(unit) not in ("", UNKNOWN_UNIT)

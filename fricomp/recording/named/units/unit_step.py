@@ -10,6 +10,7 @@ _COUNTED = re.compile(
     r"([^\d\s\[\]()][^\[\]()]*)[\])]"
 )
 """A unit with a number before it in brackets."""
+_SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 _POWER = re.compile(r"10\^?[-−](\d+)")
 
 
@@ -31,7 +32,7 @@ def find_unit_step(name: str) -> UnitStep | None:
     Args:
         name: Of a column.
     """
-    found = _COUNTED.search(make_narrow(name))
+    found = _COUNTED.search(make_narrow(name).translate(_SUPERSCRIPTS))
     unit = read_unit(found.group(2)) if found else ""
     return UnitStep(unit, _read_worth(found.group(1))) if found and unit else None
 
