@@ -33,6 +33,13 @@ _BLOCKS = 20
 
 _FOLDS = 4
 
+_STEPS = 5
+"""Gauss-Newton steps of a fit to the blocks that are not left out, from a fit to all of them."""
+
+_FAR_STEPS = 150
+"""The same where links may be far off that were not: on the way there their equations are not linear, and what has not
+arrived leaves more than it would."""
+
 _MEANS = (0.1, 0.2)
 """[s] over which errors are averaged where it is asked how much a term matters: a tenth of a short stroke, and a fifth.
 The longer they are, the less noise is in them, and the more of what is left is a term that acts for as long; what a
@@ -150,7 +157,8 @@ class ConfirmedData:
 
     def leave_out(self, model: ArmModel, start: ArmFit) -> FloatArray:
         """What one model leaves of rows by fits from `start` to blocks that they are not in. Shape (n, n_joints)."""
-        fits = [fit_arm(self._arm, part, model, self.prior, start, steps=5) for part in self._trained]
+        steps = _STEPS if model.opened == start.model.opened else _FAR_STEPS
+        fits = [fit_arm(self._arm, part, model, self.prior, start, steps=steps) for part in self._trained]
         return _join_folds(self._block % _FOLDS, [one.residuals(self.equations) for one in fits])
 
 
