@@ -39,7 +39,7 @@ _SPELLED = {
     "A": "a ma=mA amp=A amps=A ampere=A amperes=A arms=A a·rms=A apk=A ap=A а ма=mA 安 安培 毫安=mA",
     "V": "v mv=mV volt=V volts=V",
     "degC": "c degc ℃ k=K degf=degF",
-    UNKNOWN_UNIT: "erpm",
+    UNKNOWN_UNIT: "erpm ka kdeg",
 }
 """Name of a unit, and how it is written in small letters; `as=NAME` where that is another one's."""
 _NAMES = {
@@ -281,7 +281,9 @@ def unit_for(quantity: str, unit: str) -> str:
 
 _POWER = r"10(?:\^?[-−]\d+|⁻[⁰¹²³⁴-⁹]+)"
 _FACTORS = (
-    re.compile(rf"^\s*[x×·*]?\s*(?:{_POWER}|(?:1\s*/\s*)?\d*[.,]?\d+(?:[eE][+-]?\d+)?)\s*[x×·*]?\s*(?=[^\d\s/^⁻])"),
+    re.compile(
+        rf"^\s*[x×·*]?\s*(?:{_POWER}|[eE][-−]\d+\s|(?:1\s*/\s*)?\d*[.,]?\d+(?:[eE][+-]?\d+)?)\s*[x×·*]?\s*(?=[^\d\s/^⁻])"
+    ),
     re.compile(rf"(?<=\w)\s*(?:[x×·*]\s*(?:{_POWER}|\d+)|[eE][-−]\d+)\s*$"),
     re.compile(
         r"^\s*(?:raw|scaled|milli|centi|micro|kilo|tenths?|hundredths?|thousandths?)[\s-]+(?:of\s+)?", re.IGNORECASE

@@ -155,7 +155,8 @@ def test_a_column_that_is_a_rate_is_not_offered_as_the_torque(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    "unit", ["deg·10⁻³", "deg x100", "deg x 10", "deg e-3", "·10⁻³ deg", "scaled deg", "tenths of deg"]
+    "unit",
+    ["deg·10⁻³", "deg x100", "deg x 10", "deg e-3", "e-3 deg", "kdeg", "·10⁻³ deg", "scaled deg", "tenths of deg"],
 )
 def test_a_unit_with_a_factor_about_it_is_asked_for_and_never_taken_without(tmp_path: Path, unit: str) -> None:
     with pytest.raises(RecordingError, match="the unit in 'pos"):
