@@ -126,6 +126,7 @@ class Effect(ABC):
         wave: Whether that wave is one of torque or one of friction, of which one part of a joint may make both.
         gain_share: Factor on the gain of explanations with it. It is less than 1 for an effect that can imitate others,
             or has more forms than they.
+        beyond_law: Those of its numbers for which the term of a law has no place.
         imitates_others: Whether it can imitate effects of any form, so that what it adds completes no explanation.
         form_of_friction: Whether it is the form of the joint's own friction: beside another effect that covers the
             mismatch it is a remark, and no second effect.
@@ -147,6 +148,7 @@ class Effect(ABC):
     ripple: ClassVar[bool] = False
     wave: ClassVar[Literal["", "torque", "friction"]] = ""
     gain_share: ClassVar[float] = 1.0
+    beyond_law: ClassVar[tuple[str, ...]] = ()
     imitates_others: ClassVar[bool] = False
     form_of_friction: ClassVar[bool] = False
     follows_load: ClassVar[bool] = False

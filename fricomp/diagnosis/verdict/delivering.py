@@ -53,6 +53,7 @@ def deliver(findings: Findings, verdict: Verdict, whole: Sequence[Recording]) ->
     found = deliver_models(used, base, extended, missing, names=names, given=given, whole=whole)
     noted = None if found.extended is None else _note(found.extended, undetermined)
     remarks = found.remarks if loads is None else (_describe_load(names[0]), *found.remarks)
+    remarks += _describe_beyond(list_beyond_law(verdict), found)
     return replace(found, base=_note(found.base, undetermined), extended=noted, remarks=remarks)
 
 
@@ -90,6 +91,24 @@ def _describe_load(name: str) -> str:
     )
 
 
+def list_beyond_law(verdict: Verdict) -> list[str]:
+    """Numbers that were found to be there and have no place in a model's law, as "inertia of end_stop"."""
+    return [
+        f"{number} of {one.name}"
+        for one in verdict.effects
+        if one.name in EFFECTS
+        for number in EFFECTS[one.name].beyond_law
+        if number in one.parameters and one.parameters[number].ci95[0] > 0.0
+    ]
+
+
+def _describe_beyond(beyond: Sequence[str], delivery: Delivery) -> tuple[str, ...]:
+    """Say that the written model is worse for what it has no place for."""
+    if not beyond or delivery.errors is None or delivery.errors.compare() <= 1.0 + VERDICT.worse:
+        return ()
+    return (f"Careful: friction.json has no place for the {', '.join(beyond)}, and is worse for it than without.",)
+
+
 def _note(model: FrictionModel, undetermined: Sequence[str]) -> FrictionModel:
     """The model with a note on those of its numbers that the recordings do not determine."""
     if not undetermined:
@@ -108,6 +127,8 @@ def leave_out_worse(findings: Findings, verdict: Verdict, delivery: Delivery | N
     found, chosen = findings.case.found, findings.chosen
     errors = None if delivery is None or verdict.sample is not None else delivery.errors
     if chosen is None or errors is None or errors.missing or errors.compare() <= 1.0 + VERDICT.worse:
+        return None
+    if list_beyond_law(verdict):  # the model may be worse for what it cannot say
         return None
     names = {name for name in chosen.names if EFFECTS[name].kind == "physics"}
     rest = [one for one in found.explanations if not names & set(one.names)]

@@ -11,9 +11,9 @@ from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
-from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, VerdictName
+from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, Quantity, VerdictName
 from fricomp.diagnosis.record.sentence import NO_MOTION, NOTHING_BUT_SHARED
-from fricomp.diagnosis.verdict.delivering import WORSE, leave_out_worse
+from fricomp.diagnosis.verdict.delivering import WORSE, leave_out_worse, list_beyond_law
 from fricomp.diagnosis.verdict.experiment import Proposal
 from fricomp.diagnosis.verdict.judging import choose_verdict, join_channels, judge
 from fricomp.diagnosis.verdict.shared_effect import SimulationEffects
@@ -158,3 +158,21 @@ def test_a_name_goes_with_which_the_written_model_does_worse_on_data_left_out(
     assert (None if without is None else without.best and without.best.names) == left
     if without is not None:
         assert [one.refused for one in without.explanations] == ["", WORSE]
+
+
+@pytest.mark.parametrize(("low", "kept"), [(0.5, True), (0.0, False)])
+def test_a_name_stays_where_the_written_model_is_worse_for_what_it_has_no_place_for(low: float, kept: bool) -> None:
+    """What moves with a stop is heavy, and no law has its inertia."""
+    baseline = known_baseline()
+    chosen = known_fit(baseline, ("end_stop",), 900.0)
+    case = known_case(baseline, known_search(chosen))
+    findings = known_findings(baseline, case, trial=Trial(chosen=chosen))
+    heavy = NamedEffect(name="end_stop", kind="physics", parameters={"inertia": Quantity(0.8, "kg·m²", (low, 1.0))})
+    verdict = join_channels(judge(findings), (heavy,))
+    before, behind = (
+        ModelErrors(torque=TorqueError(rms, (rms, rms), rms, 2.0, "N·m", 20.0, 30.0)) for rms in (1.0, 1.5)
+    )
+    base = FrictionModel(FrictionLaw((Coulomb(1.0),)))
+    delivery = Delivery(base, base, FileErrors(before=before, after=behind, file=behind, folds=5))
+    assert (leave_out_worse(findings, verdict, delivery) is None) is kept
+    assert list_beyond_law(verdict) == (["inertia of end_stop"] if kept else [])

@@ -33,6 +33,7 @@ class EndStop(Effect):
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
+    beyond_law = ("inertia",)
     edges: ClassVar[tuple[float, ...]] = (0.02, 0.06, 0.12, 0.2)
     """Distances from the ends of the range, in that range, at which a fit looks for the edge of a stop. They lie closer
     at the ends, where a hard stop is met for a short way only."""
