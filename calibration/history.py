@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
-from fricomp.control.compensation.trust import find_doubt
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import FricompError
 from fricomp.laws import FloatArray
 from fricomp.report import Chart, Panel, Points
@@ -121,7 +121,8 @@ def read_histories(folder: Path) -> tuple[tuple[JointHistory, ...], tuple[str, .
             left_out.append(said if said.startswith(str(path)) else f"{path}: {error}")
             continue
         model = found.model
-        doubt = find_doubt(model)
+        made = model.provenance  # what no fit has written says nothing of itself
+        doubt = find_doubt_in_status(made.status, made.message) if made.status else None
         if doubt is not None:
             left_out.append(f"{path}: its identification is not usable ({doubt})")
             continue

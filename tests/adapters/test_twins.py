@@ -242,7 +242,7 @@ def test_the_wrong_sign_is_found(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("share", [0.0, 0.051, 1.0, float("nan")])
 def test_more_than_a_twentieth_is_refused(share: float) -> None:
-    with pytest.raises(ParameterError, match="at most 5%"):
+    with pytest.raises(ParameterError, match=r"at most 0\.05, got"):
         TrialSettings(share=share)
 
 

@@ -162,7 +162,7 @@ def test_run_wants_a_model_for_every_joint(model: Path, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     done = fricomp("run", model, model, "--out", tmp_path / "run")
     assert done.returncode == 2
-    assert "1 joints" in done.stderr
+    assert "the bus needs 1 of each: give as many models (got 2)" in done.stderr
 
 
 @pytest.mark.slow

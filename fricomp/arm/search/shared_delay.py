@@ -33,6 +33,10 @@ _CHANCE = 0.05
 _LEAST_SEEN = 1.0 / 3.0
 """Part of a delay that a look at it sees at least: by a smaller one a step would be mostly noise."""
 
+_FEW, _FAR = 3, 10.0
+"""Joints of which two that agree are no majority by themselves, and standard deviations by which the third has to be
+apart: that of a gear that gives way was so by 5, of a joint that sticks by 60."""
+
 _SURE, _SURE_APART = 2.0, 3.5
 """Standard deviations that a delay must have to be allowed for, where joints agree, and where they do not: then as many
 as anything that is taken in, odds of e⁶."""
@@ -113,6 +117,7 @@ def agree(values: FloatArray, spread: FloatArray, chance: float = _CHANCE) -> bo
 
 def find_agreeing(values: FloatArray, spread: FloatArray) -> NDArray[np.intp]:
     """Places of most values where most may be of one thing, without those that are furthest from the rest; else of all.
+    Two of three agree by chance, and count where the third is far away.
 
     Args:
         values: Shape (n,).
@@ -125,6 +130,8 @@ def find_agreeing(values: FloatArray, spread: FloatArray) -> NDArray[np.intp]:
             return kept
         others = np.sum(weights) - weights
         away = np.abs(own - (weights @ own - weights * own) / others) / np.sqrt(1.0 / weights + 1.0 / others)
+        if kept.size <= _FEW and np.max(away) < _FAR:
+            break
         kept = np.delete(kept, np.argmax(away))
     return np.arange(values.size)
 

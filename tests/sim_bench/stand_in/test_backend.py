@@ -131,7 +131,7 @@ def test_external_disturbance_moves_the_arm_and_can_be_switched_off() -> None:
     ("configuration", "message"),
     [
         ({"modle": "default_joint"}, "modle"),
-        ({"joints": [{"name": "knee"}]}, "no joint 'knee'; it has joint"),
+        ({"joints": [{"name": "knee"}]}, "is called joint, and not 'knee'"),
         (
             {"joints": [{"name": "joint", "servo": {"bandwith": 3.0}}]},
             "servo has no field bandwith; known: torque_limit",

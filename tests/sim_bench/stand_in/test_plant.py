@@ -298,7 +298,7 @@ def test_the_model_files_own_friction_damping_and_actuators_are_replaced(tmp_pat
 
 
 def test_names_the_joints_there_are_when_one_is_unknown() -> None:
-    with pytest.raises(ParameterError, match="no joint 'knee'; it has shoulder, elbow"):
+    with pytest.raises(ParameterError, match="called shoulder, elbow, and not 'knee'"):
         Plant(packaged_model("two_link_arm"), ["knee"], [DEFAULT_LAW])
 
 
