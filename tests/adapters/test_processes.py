@@ -109,7 +109,7 @@ def test_a_share_above_a_twentieth_is_refused_before_anything_is_opened(tmp_path
     path.write_text('backend = "mit"\n')
     found = run_command("adapter", "check", str(path), "--share", "0.2")
     assert found.returncode == 2
-    assert "at most 5%" in found.stderr
+    assert "at most 0.05, got 0.2" in found.stderr
 
 
 LOOP = """
