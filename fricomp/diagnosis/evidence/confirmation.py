@@ -123,10 +123,8 @@ def _measure_plain(baseline: Baseline, structure: Structure, before: FloatArray,
 
     What the law of the bristle leaves about rest is as large in both errors, and hides an effect that acts everywhere.
     """
-    own = baseline.nulls.weights
-    weights = own if baseline.problem.weights is None else baseline.problem.weights
-    nulls = [np.concatenate(own.unweigh(null)) for null in baseline.null_residuals]
-    sides = [np.concatenate(weights.unweigh(side)) for side in (before, after)]
+    nulls = [np.concatenate(baseline.nulls.weights.unweigh(null)) for null in baseline.null_residuals]
+    sides = [np.concatenate(baseline.problem.unweigh(side)) for side in (before, after)]
     at_rest = any(candidate.effect.shown_at_rest for candidate in structure.candidates)
     chosen = [baseline.sliding, np.ones_like(baseline.sliding)] if at_rest else [baseline.sliding]
     return max((_compare_plain(rows, sides, nulls) for rows in chosen), key=lambda one: one.explained)

@@ -15,6 +15,7 @@ from ..effects.outside.payload_error import PayloadError
 from ..evidence.findings import Findings
 from ..evidence.undetermined import cancels_with_gravity, list_undetermined
 from ..inputs.checks import PART_OF
+from ..record.file_errors import FileErrors
 from ..search.choice import choose
 from ..search.search import SearchResult
 from .extension import write_base_model, write_extended_model
@@ -104,9 +105,14 @@ def list_beyond_law(verdict: Verdict) -> list[str]:
 
 def _describe_beyond(beyond: Sequence[str], delivery: Delivery) -> tuple[str, ...]:
     """Say that the written model is worse for what it has no place for."""
-    if not beyond or delivery.errors is None or delivery.errors.compare() <= 1.0 + VERDICT.worse:
+    if not beyond or not _is_worse(delivery.errors):
         return ()
     return (f"Careful: friction.json has no place for the {', '.join(beyond)}, and is worse for it than without.",)
+
+
+def _is_worse(errors: FileErrors | None) -> bool:
+    """Whether the model with what is named does clearly worse on data left out than that without."""
+    return errors is not None and errors.compare() > 1.0 + VERDICT.worse
 
 
 def _note(model: FrictionModel, undetermined: Sequence[str]) -> FrictionModel:
@@ -126,7 +132,7 @@ def leave_out_worse(findings: Findings, verdict: Verdict, delivery: Delivery | N
     """
     found, chosen = findings.case.found, findings.chosen
     errors = None if delivery is None or verdict.sample is not None else delivery.errors
-    if chosen is None or errors is None or errors.missing or errors.compare() <= 1.0 + VERDICT.worse:
+    if chosen is None or errors is None or errors.missing or not _is_worse(errors):
         return None
     if list_beyond_law(verdict):  # the model may be worse for what it cannot say
         return None

@@ -7,6 +7,7 @@ import numpy as np
 from ...effects.structure import N_BASE
 from ...joint.base import BASE_NAMES, unpack
 from ...joint.observer import Plant
+from ...joint.solver import Fit
 from ..preparation import Baseline
 from ..search import SearchResult
 from ..settings import SEARCH
@@ -36,9 +37,13 @@ def find_far_joint(baseline: Baseline, found: SearchResult) -> Plant | None:
 
 def measure_left(baseline: Baseline, found: SearchResult) -> float:
     """Measure what the best explanation, or else the base, leaves over the noise."""
-    return baseline.measure_loudness(baseline.fit if found.best is None else found.best.fit)
+    return baseline.measure_loudness(_choose_fit(baseline, found))
 
 
 def measure_plain_left(baseline: Baseline, found: SearchResult) -> float:
     """Measure the torque that the best explanation, or else the base, leaves while the joint slides [N·m] or [N]."""
-    return baseline.measure_plain(baseline.fit if found.best is None else found.best.fit)
+    return baseline.measure_plain(_choose_fit(baseline, found))
+
+
+def _choose_fit(baseline: Baseline, found: SearchResult) -> Fit:
+    return baseline.fit if found.best is None else found.best.fit
